@@ -1,0 +1,16 @@
+# The shipped configs/*.yaml and configs/sensors/*.yaml are compiled in, so that a single binary knows them by name.
+file(GLOB configs CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/configs ${PROJECT_SOURCE_DIR}/configs/*.yaml
+     ${PROJECT_SOURCE_DIR}/configs/sensors/*.yaml)
+set(embedded ${PROJECT_BINARY_DIR}/embedded_configs.cpp)
+set(body "#include \"scslam/core/embedded_configs.h\"\nnamespace scslam {\nconst std::map<std::string, std::string>& embeddedConfigs() {\n  static const std::map<std::string, std::string> configs = {\n")
+foreach(config IN LISTS configs)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/configs/${config})
+  file(READ ${PROJECT_SOURCE_DIR}/configs/${config} text)
+  string(REGEX REPLACE "\\.yaml$" "" key ${config})
+  string(APPEND body "    {\"${key}\", R\"yaml(${text})yaml\"},\n")
+endforeach()
+string(APPEND body "  };\n  return configs;\n}\n}  // namespace scslam\n")
+file(GENERATE OUTPUT ${embedded} CONTENT "${body}")
+add_library(scslam_embedded OBJECT ${embedded})
+target_include_directories(scslam_embedded PRIVATE ${PROJECT_BINARY_DIR}/include)
+target_sources(scslam PRIVATE $<TARGET_OBJECTS:scslam_embedded>)

@@ -1,0 +1,35 @@
+// One file per verb. A verb adds its sub-command to the parser and returns what to run when it was chosen.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace scslam::cli {
+
+/// Flags that every verb takes.
+struct GlobalOptions {
+  bool quiet = false, verbose = false;
+};
+
+struct Verb {
+  std::string name;
+  std::string summary;
+  /// Declares the flags on `app` (storage owned by the returned closure) and gives the action; the action returns the exit code
+  /// and throws scslam::Error for anything a user can act on.
+  std::function<std::function<int(const GlobalOptions&)>(CLI::App& app)> declare;
+};
+
+/// The verbs of this binary, in the order of --help (verbs.cpp).
+const std::vector<Verb>& verbs();
+
+Verb runVerb();
+Verb evalVerb();
+Verb optimizeVerb();
+Verb exportVerb();
+Verb infoVerb();
+Verb listVerb();
+Verb configVerb();
+Verb doctorVerb();
+
+}  // namespace scslam::cli

@@ -1,0 +1,35 @@
+// Long-term data association, first half (paper, Sec. III-B2): which earlier place does this one look like?
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "scslam/core/registry.h"
+#include "scslam/keyframe/keyframe.h"
+
+namespace scslam {
+
+/// Row-major so that row r of a .scd file is ring r.
+using Descriptor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct PlaceCandidate {
+  KeyframeId match = 0;
+  double distance = 0;  ///< descriptor distance, smaller = more alike
+  Pose T_match_query =
+      Pose::Identity();  ///< first guess of the query's base in the match's base (yaw, later also shift)
+};
+
+/// Plug-in interface of place/recognisers.
+class PlaceRecogniser {
+ public:
+  static constexpr const char* kKind = "place recogniser";
+  virtual ~PlaceRecogniser() = default;
+  /// @param cloud_base of the keyframe; gravity-levelled inside with the roll and pitch of keyframe.T_odom_base.
+  virtual Descriptor describe(const Keyframe& keyframe, const Cloud& cloud_base) const = 0;
+  /// Stores the keyframe (ids in order, from 0) with its descriptor. Poses are read only by pose-based recognisers.
+  virtual void add(const Keyframe& keyframe, const Descriptor& descriptor) = 0;
+  /// Candidates for keyframe k among the earlier ones that are at least min_travel away along the path, best first.
+  virtual std::vector<PlaceCandidate> query(KeyframeId k) const = 0;
+};
+SCSLAM_DECLARE_REGISTRY(PlaceRecogniser);
+
+}  // namespace scslam

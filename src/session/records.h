@@ -1,0 +1,35 @@
+// What the pipeline tells the session, one record per event. The journal is the list of these records.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "scslam/graph/pose_graph.h"
+#include "scslam/keyframe/keyframe.h"
+
+namespace scslam {
+
+/// Every scan, used or not.
+struct ScanRecord {
+  std::size_t index = 0;
+  Stamp stamp;
+  Pose T_odom_base = Pose::Identity();
+  std::int64_t keyframe = -1;  ///< newest keyframe at this scan (the scan's own when it became one)
+};
+
+/// Every loop candidate, with its figures and the reason for its verdict: one row of loops.csv.
+struct LoopRecord {
+  KeyframeId query = 0, match = 0;
+  std::string recogniser;
+  double distance = 0;       ///< descriptor distance
+  double yaw_guess_rad = 0;  ///< the recogniser's
+  double rmse_m = 0, inlier_ratio = 0, overlap = 0;
+  double odometry_mahalanobis2 =
+      0;  ///< disagreement with odometry's own uncertainty, chi2 with 6 degrees of freedom (3 if planar)
+  bool registered = false;  ///< registration was tried (the gates before it passed)
+  bool accepted = false;
+  std::string reason;                       ///< "accepted" or the gate that refused, with the figure
+  Pose T_match_query = Pose::Identity();    ///< measured, when registered
+  Matrix6d information = Matrix6d::Zero();  ///< of it, when registered
+};
+
+}  // namespace scslam
