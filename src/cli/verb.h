@@ -15,8 +15,8 @@ struct GlobalOptions {
 struct Verb {
   std::string name;
   std::string summary;
-  /// Declares the flags on `app` (storage owned by the returned closure) and gives the action; the action returns the exit code
-  /// and throws scslam::Error for anything a user can act on.
+  /// Declares the flags on `app` (storage owned by the returned closure) and gives the action; the action returns the
+  /// exit code and throws scslam::Error for anything a user can act on.
   std::function<std::function<int(const GlobalOptions&)>(CLI::App& app)> declare;
 };
 

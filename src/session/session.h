@@ -1,0 +1,42 @@
+// A saved session, opened for reading. Also opens what a killed run left (from its journal) and classic SC-A-LOAM
+// folders.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scslam/session/session_writer.h"
+
+namespace scslam {
+
+class Session {
+ public:
+  /// @throw inputError when `folder` is no session or is damaged (what, which file, what `scslam doctor` says).
+  static Session open(const std::filesystem::path& folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const SessionInfo& info() const { return info_; }
+  bool complete() const { return complete_; }
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  const std::vector<Pose>& poses() const { return T_map_base_; }  ///< per keyframe
+  const std::vector<ScanRecord>& scans() const { return scans_; }
+  const std::vector<LoopRecord>& loops() const { return loops_; }
+  /// T_map_base of every scan: the correction of its keyframe applied to its odometry.
+  std::vector<StampedPose> trajectory() const;
+  std::vector<StampedPose> odometry() const;
+  /// Cloud of keyframe k, frame sensor, read from disk.
+  Cloud cloud(KeyframeId k) const;
+  /// Odometry factors and accepted loops over poses().
+  PoseGraph graph() const;
+
+ private:
+  std::filesystem::path folder_;
+  SessionInfo info_;
+  bool complete_ = false;
+  std::vector<Keyframe> keyframes_;
+  std::vector<Pose> T_map_base_;
+  std::vector<ScanRecord> scans_;
+  std::vector<LoopRecord> loops_;
+};
+
+}  // namespace scslam
