@@ -1,5 +1,6 @@
 // Little-endian binary records with bounds checks, for the journal and the checkpoint.
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <span>

@@ -1,0 +1,128 @@
+#include "scslam/core/trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "scslam/core/error.h"
+#include "scslam/core/file.h"
+
+namespace scslam {
+namespace {
+
+std::vector<std::string> splitWords(std::string_view line) {
+  std::vector<std::string> words;
+  std::size_t i = 0;
+  const auto separator = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == ','; };
+  while (i < line.size()) {
+    while (i < line.size() && separator(line[i])) ++i;
+    const std::size_t begin = i;
+    while (i < line.size() && !separator(line[i])) ++i;
+    if (i > begin) words.emplace_back(line.substr(begin, i - begin));
+  }
+  return words;
+}
+
+double number(const std::string& word, const std::string& where) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  if (end != word.c_str() + word.size() || !std::isfinite(value))
+    throw inputError("{}: '{}' is not a finite number", where, word);
+  return value;
+}
+
+Pose tumPose(const std::vector<std::string>& words, const std::string& where) {
+  double v[7];
+  for (int i = 0; i < 7; ++i) v[i] = number(words[static_cast<std::size_t>(i) + 1], where);
+  Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+  if (std::abs(q.norm() - 1) > 0.01) throw inputError("{}: the quaternion's length is {:.4g}, not 1", where, q.norm());
+  Pose T = Pose::Identity();
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+  return T;
+}
+
+Pose kittiPose(const std::vector<std::string>& words, const std::string& where) {
+  Pose T = Pose::Identity();
+  for (int i = 0; i < 12; ++i) T.matrix()(i / 4, i % 4) = number(words[static_cast<std::size_t>(i)], where);
+  const Eigen::Matrix3d R = T.linear();
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.02 || R.determinant() < 0)
+    throw inputError("{}: the 3x3 part is not a rotation", where);
+  return orthonormalised(T);
+}
+
+}  // namespace
+
+std::optional<Pose> Trajectory::at(Stamp stamp, double tolerance_s, double max_gap_s) const {
+  if (poses.empty()) return std::nullopt;
+  const auto after = std::lower_bound(poses.begin(), poses.end(), stamp,
+                                      [](const StampedPose& p, Stamp s) { return p.stamp < s; });
+  if (after == poses.end())
+    return secondsBetween(poses.back().stamp, stamp) <= tolerance_s ? std::optional(poses.back().T) : std::nullopt;
+  if (after->stamp == stamp) return after->T;
+  if (after == poses.begin())
+    return secondsBetween(stamp, after->stamp) <= tolerance_s ? std::optional(after->T) : std::nullopt;
+  const StampedPose& before = *(after - 1);
+  const double gap = secondsBetween(before.stamp, after->stamp);
+  if (gap > max_gap_s) {
+    if (secondsBetween(before.stamp, stamp) <= tolerance_s) return before.T;
+    if (secondsBetween(stamp, after->stamp) <= tolerance_s) return after->T;
+    return std::nullopt;
+  }
+  return interpolate(before.T, after->T, secondsBetween(before.stamp, stamp) / gap);
+}
+
+Trajectory readTrajectory(const std::filesystem::path& file) {
+  const std::string text = readFile(file);
+  Trajectory result;
+  std::size_t columns = 0, line_number = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    ++line_number;
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos || line[line.find_first_not_of(" \t\r")] == '#') continue;
+    const auto words = splitWords(line);
+    const std::string where = fmt::format("{}:{}", file.string(), line_number);
+    if (columns == 0) columns = words.size();
+    if (words.size() != columns) throw inputError("{}: {} columns, the lines above have {}", where, words.size(), columns);
+    if (columns == 12) {
+      result.timed = false;
+      result.poses.push_back({Stamp{}, kittiPose(words, where)});
+    } else if (columns == 8) {
+      StampedPose pose;
+      if (!parseStamp(words[0], pose.stamp)) throw inputError("{}: '{}' is not a time in seconds", where, words[0]);
+      if (!result.poses.empty() && pose.stamp <= result.poses.back().stamp)
+        throw inputError("{}: time {} does not come after the line above", where, words[0]);
+      pose.T = tumPose(words, where);
+      result.poses.push_back(pose);
+    } else {
+      throw inputError("{}: {} columns; a trajectory has 8 (TUM: time x y z qx qy qz qw) or 12 (KITTI: 3x4 matrix)", where,
+                       columns);
+    }
+  }
+  if (result.poses.empty()) throw inputError("{} holds no poses", file.string());
+  return result;
+}
+
+std::string formatTum(const std::vector<StampedPose>& poses) {
+  std::string text;
+  for (const auto& [stamp, T] : poses) {
+    Eigen::Quaterniond q(T.linear());
+    q.normalize();
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const auto& t = T.translation();
+    text += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", formatStamp(stamp), t.x(), t.y(),
+                        t.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  return text;
+}
+
+std::string formatKitti(const std::vector<Pose>& poses) {
+  std::string text;
+  for (const Pose& T : poses)
+    for (int i = 0; i < 12; ++i) text += fmt::format("{:.17g}{}", T.matrix()(i / 4, i % 4), i == 11 ? '\n' : ' ');
+  return text;
+}
+
+}  // namespace scslam
