@@ -30,9 +30,7 @@ void Cloud::clear() {
   forEachField(*this, [](auto& field) { field.clear(); });
 }
 
-void Cloud::reserve(std::size_t n) {
-  x.reserve(n), y.reserve(n), z.reserve(n);
-}
+void Cloud::reserve(std::size_t n) { x.reserve(n), y.reserve(n), z.reserve(n); }
 
 void Cloud::resize(std::size_t n) {
   forEachField(*this, [n](auto& field) { field.resize(n); });

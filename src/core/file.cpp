@@ -66,7 +66,8 @@ std::string readFile(const std::filesystem::path& file, std::size_t max_bytes) {
     const auto size = static_cast<std::size_t>(info.st_size);
     if (size > max_bytes) {
       ::close(fd);
-      throw inputError("{} holds {} bytes, more than the {} this kind of file may have", file.string(), size, max_bytes);
+      throw inputError("{} holds {} bytes, more than the {} this kind of file may have", file.string(), size,
+                       max_bytes);
     }
     content.resize(size);
     std::size_t done = 0;

@@ -12,7 +12,9 @@ Log::Log(mrpt::system::VerbosityLevel verbosity) : COutputLogger("scslam") {
   logRegisterCallback([verbosity](std::string_view message, const mrpt::system::VerbosityLevel level,
                                   std::string_view /*logger*/, const mrpt::Clock::time_point /*when*/) {
     if (level < verbosity) return;
-    const char* prefix = level >= mrpt::system::LVL_ERROR ? "error: " : level == mrpt::system::LVL_WARN ? "warning: " : "";
+    const char* prefix = level >= mrpt::system::LVL_ERROR  ? "error: "
+                         : level == mrpt::system::LVL_WARN ? "warning: "
+                                                           : "";
     std::string line = std::string(prefix) + std::string(message);
     if (line.empty() || line.back() != '\n') line += '\n';
     std::fwrite(line.data(), 1, line.size(), stderr);

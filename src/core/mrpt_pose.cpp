@@ -5,8 +5,8 @@
 namespace scslam {
 namespace {
 
-/// d(x y z yaw pitch roll) / d(our tangent) at T: t moves by R * d_trans; the Euler angles of R = Rz(yaw) Ry(pitch) Rx(roll)
-/// move with the body rates d_rot.
+/// d(x y z yaw pitch roll) / d(our tangent) at T: t moves by R * d_trans; the Euler angles of R = Rz(yaw) Ry(pitch)
+/// Rx(roll) move with the body rates d_rot.
 Matrix6d mrptFromTangent(const Pose& T, double pitch, double roll) {
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>() = T.linear();

@@ -16,13 +16,18 @@ double nowSeconds() {
 
 std::string clock(double seconds) {
   const auto s = static_cast<long>(seconds + 0.5);
-  return s >= 3600 ? fmt::format("{}:{:02d}:{:02d}", s / 3600, s / 60 % 60, s % 60) : fmt::format("{}:{:02d}", s / 60, s % 60);
+  return s >= 3600 ? fmt::format("{}:{:02d}:{:02d}", s / 3600, s / 60 % 60, s % 60)
+                   : fmt::format("{}:{:02d}", s / 60, s % 60);
 }
 
 }  // namespace
 
 Progress::Progress(std::string what, std::optional<std::size_t> total, bool quiet)
-    : what_(std::move(what)), total_(total), quiet_(quiet), terminal_(::isatty(STDERR_FILENO) == 1), start_s_(nowSeconds()) {
+    : what_(std::move(what)),
+      total_(total),
+      quiet_(quiet),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      start_s_(nowSeconds()) {
   next_line_ = total_ ? (*total_ + 9) / 10 : 1000;
 }
 

@@ -8,7 +8,7 @@
 namespace scslam {
 namespace {
 
-constexpr std::int64_t kTicksPerSecond = 10'000'000;                                // of mrpt::Clock: 100 ns
+constexpr std::int64_t kTicksPerSecond = 10'000'000;                                 // of mrpt::Clock: 100 ns
 constexpr std::int64_t kUnixEpochTicks = std::int64_t{116'444'736} * 1'000'000'000;  // 1601 to 1970
 
 std::int64_t unixTicks(Stamp stamp) { return stamp.time_since_epoch().count() - kUnixEpochTicks; }

@@ -55,8 +55,8 @@ Pose kittiPose(const std::vector<std::string>& words, const std::string& where) 
 
 std::optional<Pose> Trajectory::at(Stamp stamp, double tolerance_s, double max_gap_s) const {
   if (poses.empty()) return std::nullopt;
-  const auto after = std::lower_bound(poses.begin(), poses.end(), stamp,
-                                      [](const StampedPose& p, Stamp s) { return p.stamp < s; });
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), stamp, [](const StampedPose& p, Stamp s) { return p.stamp < s; });
   if (after == poses.end())
     return secondsBetween(poses.back().stamp, stamp) <= tolerance_s ? std::optional(poses.back().T) : std::nullopt;
   if (after->stamp == stamp) return after->T;
@@ -81,11 +81,13 @@ Trajectory readTrajectory(const std::filesystem::path& file) {
     const std::string_view line = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;
     ++line_number;
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos || line[line.find_first_not_of(" \t\r")] == '#') continue;
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos || line[line.find_first_not_of(" \t\r")] == '#')
+      continue;
     const auto words = splitWords(line);
     const std::string where = fmt::format("{}:{}", file.string(), line_number);
     if (columns == 0) columns = words.size();
-    if (words.size() != columns) throw inputError("{}: {} columns, the lines above have {}", where, words.size(), columns);
+    if (words.size() != columns)
+      throw inputError("{}: {} columns, the lines above have {}", where, words.size(), columns);
     if (columns == 12) {
       result.timed = false;
       result.poses.push_back({Stamp{}, kittiPose(words, where)});
@@ -97,8 +99,8 @@ Trajectory readTrajectory(const std::filesystem::path& file) {
       pose.T = tumPose(words, where);
       result.poses.push_back(pose);
     } else {
-      throw inputError("{}: {} columns; a trajectory has 8 (TUM: time x y z qx qy qz qw) or 12 (KITTI: 3x4 matrix)", where,
-                       columns);
+      throw inputError("{}: {} columns; a trajectory has 8 (TUM: time x y z qx qy qz qw) or 12 (KITTI: 3x4 matrix)",
+                       where, columns);
     }
   }
   if (result.poses.empty()) throw inputError("{} holds no poses", file.string());
@@ -112,8 +114,8 @@ std::string formatTum(const std::vector<StampedPose>& poses) {
     q.normalize();
     if (q.w() < 0) q.coeffs() = -q.coeffs();
     const auto& t = T.translation();
-    text += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", formatStamp(stamp), t.x(), t.y(),
-                        t.z(), q.x(), q.y(), q.z(), q.w());
+    text += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", formatStamp(stamp), t.x(),
+                        t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   }
   return text;
 }

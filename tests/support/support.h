@@ -21,8 +21,8 @@ std::filesystem::path freshFolder();
 std::optional<std::filesystem::path> sharedData(const std::string& name);
 
 /// Skips the test, visibly, when the recording is absent (a stranger's clone has none).
-#define SCSLAM_NEEDS_DATA(variable, name)                                              \
-  const auto variable##_or_none = ::scslam::test::sharedData(name);                    \
+#define SCSLAM_NEEDS_DATA(variable, name)                                                       \
+  const auto variable##_or_none = ::scslam::test::sharedData(name);                             \
   if (!variable##_or_none) GTEST_SKIP() << "no recording " << (name) << " beside the checkout"; \
   const std::filesystem::path variable = *variable##_or_none
 
@@ -33,7 +33,9 @@ PluginContext context(int threads = 1);
 MATCHER_P3(IsNear, expected, trans_m, rot_deg, "") {
   const Vector6d d = local(expected, arg);
   const double t = d.head<3>().norm(), r = d.tail<3>().norm() * 180 / M_PI;
-  *result_listener << "off by " << t << " m, " << r << " deg; got\n" << arg.matrix() << "\nexpected\n" << Pose(expected).matrix();
+  *result_listener << "off by " << t << " m, " << r << " deg; got\n"
+                   << arg.matrix() << "\nexpected\n"
+                   << Pose(expected).matrix();
   return t <= trans_m && r <= rot_deg;
 }
 

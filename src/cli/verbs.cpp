@@ -1,0 +1,11 @@
+#include "verb.h"
+
+namespace scslam::cli {
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> all = {runVerb(),    evalVerb(), optimizeVerb(), exportVerb(),
+                                        infoVerb(), listVerb(), configVerb(),   doctorVerb()};
+  return all;
+}
+
+}  // namespace scslam::cli
