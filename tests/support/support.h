@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "scslam/core/cloud.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
 #include "scslam/core/pose.h"
