@@ -1,0 +1,34 @@
+#include "scslam/keyframe/submap.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scslam {
+
+std::vector<KeyframeId> submapMembers(const std::vector<Keyframe>& keyframes, KeyframeId centre, KeyframeId limit,
+                                      double reach_m, int max_each_side) {
+  const auto within = [&](std::size_t k) {
+    return std::abs(keyframes[k].travelled_m - keyframes[centre].travelled_m) <= reach_m;
+  };
+  std::size_t first = centre, last = centre;
+  for (int n = 0; n < max_each_side && first > 0 && within(first - 1); ++n) --first;
+  for (int n = 0; n < max_each_side && last + 1 < limit && within(last + 1); ++n) ++last;
+  std::vector<KeyframeId> members;
+  for (std::size_t k = first; k <= last; ++k) members.push_back(static_cast<KeyframeId>(k));
+  return members;
+}
+
+Cloud buildSubmap(const std::vector<KeyframeId>& members, KeyframeId centre, const std::vector<Pose>& T_map_base,
+                  const KeyframeCloud& cloud_of) {
+  Cloud submap;
+  const Pose T_centre_map = T_map_base[centre].inverse();
+  for (const KeyframeId k : members) {
+    Cloud cloud = transformed(*cloud_of(k), T_centre_map * T_map_base[k]);
+    submap.x.insert(submap.x.end(), cloud.x.begin(), cloud.x.end());
+    submap.y.insert(submap.y.end(), cloud.y.begin(), cloud.y.end());
+    submap.z.insert(submap.z.end(), cloud.z.begin(), cloud.z.end());
+  }
+  return submap;
+}
+
+}  // namespace scslam

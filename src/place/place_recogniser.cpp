@@ -1,0 +1,7 @@
+#include "scslam/place/place_recogniser.h"
+
+namespace scslam {
+
+SCSLAM_DEFINE_REGISTRY(PlaceRecogniser)
+
+}  // namespace scslam
