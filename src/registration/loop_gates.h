@@ -1,0 +1,31 @@
+// What a registered loop candidate must show before it may bend the map, in this order.
+#pragma once
+#include <string>
+
+#include "scslam/core/params.h"
+#include "scslam/registration/registration.h"
+
+namespace scslam {
+
+struct LoopGateParams : ParamSetOf<LoopGateParams> {
+  double min_inlier_ratio = 0.6;
+  double min_overlap = 0.5;
+  double max_rmse_m = 0.25;
+  int max_degenerate_axes = 2;
+  double odometry_sigma_per_m = 0.05;  ///< trust in odometry for the plausibility gate
+  double odometry_sigma_deg_per_m = 0.3;
+  double max_odometry_mahalanobis2 = 16.8;  ///< chi2, 6 degrees of freedom, 99 %
+  void describe(ParamVisitor& visitor) override;
+};
+
+/// Why `result` is refused, with the figure ("overlap 0.31 < 0.50"); empty when it passes.
+std::string refusal(const RegistrationResult& result, const LoopGateParams& params);
+
+/// Squared Mahalanobis distance between the measured and the predicted relative pose, given the covariance of the
+/// prediction along the path; the covariance is raised to at least the per-metre trust over travelled_m.
+/// @param planar x, y and yaw only.
+double odometryDisagreement(const Pose& T_match_query_measured, const Pose& T_match_query_predicted,
+                            const Matrix6d& path_covariance, double travelled_m, bool planar,
+                            const LoopGateParams& params);
+
+}  // namespace scslam
