@@ -95,15 +95,24 @@ void getPoses(ByteReader& in, JournalContents& contents) {
 void apply(std::string_view body, JournalContents& contents) {
   ByteReader in(body);
   switch (in.get<RecordType>()) {
-    case RecordType::kScan: contents.scans.push_back(getScan(in)); break;
-    case RecordType::kKeyframe: getKeyframe(in, contents); break;
-    case RecordType::kLoop: contents.loops.push_back(getLoop(in, contents.keyframes.size())); break;
+    case RecordType::kScan:
+      contents.scans.push_back(getScan(in));
+      break;
+    case RecordType::kKeyframe:
+      getKeyframe(in, contents);
+      break;
+    case RecordType::kLoop:
+      contents.loops.push_back(getLoop(in, contents.keyframes.size()));
+      break;
     case RecordType::kPoses:
       getPoses(in, contents);
       contents.pose_bytes += kFrameBytes + body.size();
       break;
-    case RecordType::kPosesDeferred: contents.poses_deferred = true; break;
-    default: throw inputError("a record of unknown type");
+    case RecordType::kPosesDeferred:
+      contents.poses_deferred = true;
+      break;
+    default:
+      throw inputError("a record of unknown type");
   }
 }
 

@@ -50,7 +50,7 @@ std::vector<float> readRow(std::string_view line, const std::string& where) {
 }  // namespace
 
 std::vector<std::string> allNames() {
-  return {kScans, kDescriptors, kOptimisedPoses, kOdometryPoses, kTimes,   kPoseGraph, kTrajectory, kOdometry,
+  return {kScans, kDescriptors, kOptimisedPoses, kOdometryPoses, kTimes,   kPoseGraph,  kTrajectory, kOdometry,
           kLoops, kMetrics,     kConfig,         kLog,           kJournal, kCheckpoint, "map",       kManifest};
 }
 

@@ -72,9 +72,10 @@ FolderLock prepareFolder(const fs::path& folder, const fs::path& input, bool ove
     return lock;
   }
   if (!fs::is_regular_file(folder / layout::kManifest))
-    throw usageError("{} holds files but no session ({} is missing), so neither -w nor --resume applies; give another "
-                     "folder with -o",
-                     folder.string(), layout::kManifest);
+    throw usageError(
+        "{} holds files but no session ({} is missing), so neither -w nor --resume applies; give another "
+        "folder with -o",
+        folder.string(), layout::kManifest);
   if (!overwrite)
     throw usageError("{} already holds a session; -w replaces it, --resume goes on with one that was not completed",
                      folder.string());

@@ -20,8 +20,8 @@ class FolderLock {
   int fd_ = -1;
 };
 
-/// Makes `folder` ready for a new session: creates it, or removes the session in it (with overwrite). Never removes what
-/// is not a session's. @param input the run's input, which must not lie in a session that is to be removed.
+/// Makes `folder` ready for a new session: creates it, or removes the session in it (with overwrite). Never removes
+/// what is not a session's. @param input the run's input, which must not lie in a session that is to be removed.
 FolderLock prepareFolder(const std::filesystem::path& folder, const std::filesystem::path& input, bool overwrite);
 
 /// Removes the files of keyframes from `keyframes` on, and half-written files.

@@ -42,8 +42,8 @@ PoseGraph graphOfSensor(PoseGraph graph, const Pose& T_base_sensor) {
   const Pose T_sensor_base = T_base_sensor.inverse();
   for (Pose& T : graph.poses) T = T * T_base_sensor;
   for (Factor& factor : graph.factors) {
-    factor.T_i_j = factor.kind == FactorKind::kPrior ? factor.T_i_j * T_base_sensor
-                                                     : T_sensor_base * factor.T_i_j * T_base_sensor;
+    factor.T_i_j =
+        factor.kind == FactorKind::kPrior ? factor.T_i_j * T_base_sensor : T_sensor_base * factor.T_i_j * T_base_sensor;
     factor.information = J.transpose() * factor.information * J;
     factor.information = ((factor.information + factor.information.transpose()) / 2).eval();
   }

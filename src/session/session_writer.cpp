@@ -133,8 +133,7 @@ void FolderWriter::checkpoint(const std::string& pipeline_state) {
   syncScans();
   journal_.sync();
   log_.sync();
-  writeCheckpoint(folder_ / layout::kCheckpoint,
-                  {journal_.size(), log_.size(), contents_.T_map_base, pipeline_state});
+  writeCheckpoint(folder_ / layout::kCheckpoint, {journal_.size(), log_.size(), contents_.T_map_base, pipeline_state});
   refreshTexts();
 }
 
@@ -220,7 +219,8 @@ std::unique_ptr<SessionWriter> SessionWriter::resume(const fs::path& folder, con
     contents = readJournal(folder / layout::kJournal, checkpoint->journal_bytes);
     checkFiles(folder, *checkpoint, contents);
     contents.T_map_base = checkpoint->T_map_base;
-    recovered = {contents.scans, contents.keyframes, contents.loops, contents.T_map_base, {}, checkpoint->pipeline_state};
+    recovered = {
+        contents.scans, contents.keyframes, contents.loops, contents.T_map_base, {}, checkpoint->pipeline_state};
     for (const Keyframe& keyframe : contents.keyframes)
       recovered.descriptors.push_back(layout::readDescriptor(layout::descriptorFile(folder, keyframe.id)));
   }
