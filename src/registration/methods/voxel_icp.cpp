@@ -1,0 +1,159 @@
+// Point-to-plane registration on a pyramid of voxel planes, coarse to fine: a grid of poses about the guess is scored
+// on the coarsest planes, its best cells slide down the pyramid, and the one that fits best at the finest is kept.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "scslam/core/scan_match.h"
+#include "scslam/core/voxel_filter.h"
+#include "scslam/registration/registration.h"
+
+namespace scslam {
+namespace {
+
+constexpr int kLevels = 4;
+
+}  // namespace
+
+class VoxelIcpRegistration : public Registration {
+ public:
+  struct Params : ParamSetOf<Params> {
+    double voxel_m = 0;
+    double inlier_m = 0;
+    double search_yaw_deg = 10;
+    double search_xy_m = 3;
+    double search_z_m = 1;
+    int max_iterations = 30;
+    void describe(ParamVisitor& visitor) override {
+      visitor.field("voxel_m", voxel_m, "finest voxel of the target [m]; 0: 0.5, planar data 0.05 of the median range",
+                    0.0, 10.0);
+      visitor.field("inlier_m", inlier_m, "gate of an inlier along the normal [m]; 0: 0.6 voxels", 0.0, 10.0);
+      visitor.field("search_yaw_deg", search_yaw_deg, "how wrong the guess's heading may be [deg]", 0.0, 180.0);
+      visitor.field("search_xy_m", search_xy_m, "how wrong the guess may be in x and y [m]", 0.0, 50.0);
+      visitor.field("search_z_m", search_z_m, "how wrong the guess may be in z [m]", 0.0, 20.0);
+      visitor.field("max_iterations", max_iterations, "Gauss-Newton iterations at the finest voxels", 1, 1000);
+    }
+  };
+
+  VoxelIcpRegistration(const Params& params, const PluginContext& context) : params_(params), context_(context) {}
+
+  void setTarget(const Cloud& target) override {
+    target_ = finiteAndThin(target);
+    map_.reset();
+  }
+
+  RegistrationResult align(const Cloud& source, const Pose& T_target_source_guess, bool planar) override {
+    RegistrationResult result;
+    result.T_target_source = T_target_source_guess;
+    if (!map_ || planar != planar_) buildMap(planar);
+    if (map_->empty()) return result;
+
+    const Cloud thin = sourcePoints(source);
+    const MatchResult match = searchAndMatch(*map_, thin, T_target_source_guess, grid(), options(), context_.threads);
+    result.T_target_source = match.T_map_scan;
+    result.converged = match.converged && match.inlierRatio() > 0.05;
+    result.iterations = match.iterations;
+    result.inlier_ratio = match.inlierRatio();
+    result.overlap = overlap(thin, match.T_map_scan);
+    result.rmse_m = match.rmse();
+    result.degenerate_axes = match.degenerate_axes;
+    result.hessian = believable(match.information);
+    return result;
+  }
+
+ private:
+  /// The target thinned to what the finest voxels can use; kept because align() says whether the data is planar.
+  Cloud finiteAndThin(const Cloud& cloud) const {
+    constexpr std::size_t kThinAbove = 20000;
+    const double leaf_m = params_.voxel_m > 0 ? 0.4 * params_.voxel_m : 0.2;
+    return selected(cloud, firstPerVoxel(cloud, cloud.size() > kThinAbove ? leaf_m : 1e-3));
+  }
+
+  Cloud sourcePoints(const Cloud& source) const {
+    constexpr std::size_t kThinAbove = 2000;
+    return selected(source, firstPerVoxel(source, source.size() > kThinAbove ? 1.5 * voxel_m_ : 1e-3));
+  }
+
+  void buildMap(bool planar) {
+    planar_ = planar;
+    voxel_m_ = params_.voxel_m > 0 ? params_.voxel_m : planar ? planarVoxel() : 0.5;
+    SurfelRules rules;
+    rules.planar = planar;
+    rules.min_points = planar ? 4 : 5;
+    map_.emplace(voxel_m_, kLevels, rules);
+    map_->insert(target_, Pose::Identity());
+    low_ = high_ = target_.empty() ? Eigen::Vector3f::Zero().eval() : target_.point(0);
+    for (std::size_t i = 0; i < target_.size(); ++i) {
+      low_ = low_.cwiseMin(target_.point(i));
+      high_ = high_.cwiseMax(target_.point(i));
+    }
+  }
+
+  double planarVoxel() const {
+    std::vector<float> range2(target_.size());
+    for (std::size_t i = 0; i < range2.size(); ++i) range2[i] = target_.point(i).squaredNorm();
+    if (range2.empty()) return 0.15;
+    const auto middle = range2.begin() + static_cast<std::ptrdiff_t>(range2.size() / 2);
+    std::nth_element(range2.begin(), middle, range2.end());
+    return std::clamp(0.05 * std::sqrt(static_cast<double>(*middle)), 0.15, 2.0);
+  }
+
+  MatchOptions options() const {
+    MatchOptions options;
+    options.levels = {0, kLevels - 2};
+    options.max_iterations = params_.max_iterations;
+    options.inlier_m = params_.inlier_m > 0 ? params_.inlier_m : 0.6 * voxel_m_;
+    options.sigma_m = 0.06 * voxel_m_;
+    options.planar = planar_;
+    return options;
+  }
+
+  PoseGrid grid() const {
+    PoseGrid grid;
+    grid.yaw_range_rad = params_.search_yaw_deg * M_PI / 180;
+    grid.yaw_step_rad = 0.07;
+    grid.xy_range_m = params_.search_xy_m;
+    grid.xy_step_m = std::max(2.0 * voxel_m_, params_.search_xy_m / 10);
+    grid.z_range_m = planar_ ? 0.0 : params_.search_z_m;
+    grid.z_step_m = voxel_m_;
+    return grid;
+  }
+
+  /// Share of the source inside the target's bounding box that lies in an occupied voxel of the second level.
+  double overlap(const Cloud& source, const Pose& T_target_source) const {
+    const VoxelSurface& level = map_->level(1);
+    const auto inverse = static_cast<float>(1.0 / level.voxelSize());
+    const Eigen::Isometry3f T = T_target_source.cast<float>();
+    std::size_t inside = 0, occupied = 0;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      const Eigen::Vector3f p = T * source.point(i);
+      if ((p.array() < low_.array() - 0.5f).any() || (p.array() > high_.array() + 0.5f).any()) continue;
+      ++inside;
+      occupied += level.occupied(
+          packVoxel(floorToInt(p.x() * inverse), floorToInt(p.y() * inverse), floorToInt(p.z() * inverse)));
+    }
+    return inside ? static_cast<double>(occupied) / static_cast<double>(inside) : 0.0;
+  }
+
+  /// Directions the overlap does not fix are known as well as the guess was: to the width of the search.
+  Matrix6d believable(const Matrix6d& information) const {
+    const double xy = std::max(params_.search_xy_m, voxel_m_), yaw = std::max(params_.search_yaw_deg, 2.0) * M_PI / 180;
+    Matrix6d hessian = information;
+    hessian.diagonal().head<3>().array() += 1 / (xy * xy);
+    hessian.diagonal().tail<3>().array() += 1 / (yaw * yaw);
+    return 0.5 * (hessian + hessian.transpose());
+  }
+
+  Params params_;
+  PluginContext context_;
+  Cloud target_;
+  std::optional<SurfacePyramid> map_;
+  bool planar_ = false;
+  double voxel_m_ = 0.5;
+  Eigen::Vector3f low_ = Eigen::Vector3f::Zero(), high_ = Eigen::Vector3f::Zero();
+};
+
+SCSLAM_REGISTER(Registration, VoxelIcpRegistration, "voxel_icp",
+                "coarse-to-fine point-to-plane on voxel planes, searches about the guess")
+
+}  // namespace scslam
