@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scslam/core/error.h"
 #include "scslam/core/suggest.h"
