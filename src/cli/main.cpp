@@ -19,7 +19,8 @@ int usage(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"scslam: any odometry + any LiDAR or radar in, one loop-closed, checked, crash-safe map session out", "scslam"};
+  CLI::App app{"scslam: any odometry + any LiDAR or radar in, one loop-closed, checked, crash-safe map session out",
+               "scslam"};
   app.set_version_flag("--version", "scslam " SCSLAM_VERSION);
   app.require_subcommand(1);
   app.footer(
