@@ -64,6 +64,12 @@ Stated statedByDepthImage(CArchive& in, int version) {
   return {in.ReadAs<std::uint32_t>(), 12};
 }
 
+/// "mrpt::obs::CSensoryFrame" (newer files) and "CSensoryFrame" (older ones) are the same.
+std::string_view withoutNamespace(std::string_view name) {
+  const std::size_t colon = name.rfind(':');
+  return colon == std::string_view::npos ? name : name.substr(colon + 1);
+}
+
 /// The classes that keep what a count announces in MRPT's aligned buffers.
 std::optional<Stated> stated(std::string_view class_name, CArchive& in, int version) {
   if (class_name == "CObservation2DRangeScan") return statedByRangeScan(in, version);
@@ -190,8 +196,9 @@ class RawlogObjects::Archive final : public CArchive {
     const bool is_name = name_length_ == bytes.size() && bytes.size() > 6;
     name_length_ = 0;
     if (!is_name) return;
-    if (bytes != "CPose3D") in_rotating_scan_ = bytes == "CObservationRotatingScan";
-    checkCount(bytes);
+    const std::string_view class_name = withoutNamespace(bytes);
+    if (class_name != "CPose3D") in_rotating_scan_ = class_name == "CObservationRotatingScan";
+    checkCount(class_name);
   }
 
   void checkCount(std::string_view class_name) {
@@ -244,7 +251,7 @@ mrpt::serialization::CSerializable::Ptr RawlogObjects::next() {
     }
     const std::string_view head = archive_->peek(130);
     const std::size_t length = static_cast<std::uint8_t>(head[0]) & 0x7FU;
-    class_name = head.substr(1, length);
+    class_name = withoutNamespace(head.substr(std::min<std::size_t>(1, head.size()), length));
     const MemoryLimit limit(std::clamp(archive_->bytesLeft() * 8, kLeast, kMost));
     return archive_->ReadObject();
   } catch (const std::bad_alloc&) {

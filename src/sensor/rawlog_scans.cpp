@@ -89,19 +89,11 @@ std::filesystem::path externalFile(const std::string& name, const std::filesyste
 
 Cloud cloudFrom(const CObservationPointCloud& observation, const std::filesystem::path& rawlog) {
   if (observation.pointcloud) return cloudFrom(*observation.pointcloud);
-  using Format = CObservationPointCloud::ExternalStorageFormat;
   const auto file = externalFile(observation.getExternalStorageFile(), rawlog);
-  switch (observation.getExternalStorageFormat()) {
-    case Format::KittiBinFile:
-      return readXyziBin(file);
-    case Format::PlainTextFile:
-      return readXyzText(file);
-    default: {
-      const auto map = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(RawlogObjects(file).next());
-      if (!map) throw inputError("{} holds no point cloud", file.string());
-      return cloudFrom(*map);
-    }
-  }
+  if (RawlogObjects::firstClassName(file).empty()) return readCloudFile(file);  // KITTI bin or text, by its extension
+  const auto map = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(RawlogObjects(file).next());
+  if (!map) throw inputError("{} holds no point cloud", file.string());
+  return cloudFrom(*map);
 }
 
 /// Times of the points after `stamp` [s]. A LiDAR whose clock is another than the recorder's is taken relative to its
@@ -181,6 +173,17 @@ std::vector<Row> rowsOf(const CObservationRotatingScan& scan, const std::optiona
   return rows;
 }
 
+/// Columns the sweep is spread over. MRPT 2.5.8 converts Velodyne packets into an image with a column for every return
+/// of every laser, of which only the first of each `rowCount` is a firing and the rest stay empty at the end.
+int firings(const CObservationRotatingScan& scan) {
+  const int columns = scan.columnCount, rows = scan.rowCount;
+  if (!isVelodyne(scan) || rows < 2 || columns % rows != 0) return columns;
+  for (int c = columns / rows; c < columns; ++c)
+    for (int r = 0; r < rows; ++r)
+      if (scan.rangeImage(r, c) != 0) return columns;
+  return columns / rows;
+}
+
 Cloud cloudFrom(const CObservationRotatingScan& scan, const std::optional<SensorModel>& sensor) {
   const auto n_rows = static_cast<int>(scan.rowCount), n_columns = static_cast<int>(scan.columnCount);
   const auto rows = rowsOf(scan, sensor);
@@ -189,10 +192,10 @@ Cloud cloudFrom(const CObservationRotatingScan& scan, const std::optional<Sensor
       (intensity && (scan.intensityImage.rows() != n_rows || scan.intensityImage.cols() != n_columns)))
     throw inputError("a rotating scan's images differ in size");
   Cloud cloud;
-  for (int c = 0; c < n_columns; ++c) {
-    // Velodyne's azimuth grows clockwise, and MRPT stores it so with a positive span.
-    const double sign = isVelodyne(scan) ? -1 : 1;
-    const double part = static_cast<double>(c) / n_columns;
+  const double sign = isVelodyne(scan) ? -1 : 1;  // Velodyne's azimuth grows clockwise; MRPT stores it as it is
+  const int n_firings = firings(scan);
+  for (int c = 0; c < n_firings; ++c) {
+    const double part = static_cast<double>(c) / n_firings;
     for (int r = 0; r < n_rows; ++r) {
       const std::uint16_t range_units = scan.rangeImage(r, c);
       if (range_units == 0) continue;

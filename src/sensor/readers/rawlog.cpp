@@ -24,6 +24,11 @@ namespace {
 namespace fs = std::filesystem;
 using mrpt::obs::CObservation;
 
+std::string shortClassName(const mrpt::rtti::CObject& object) {
+  const std::string name = object.GetRuntimeClass()->className;
+  return name.substr(name.rfind(':') + 1);  // npos + 1 = 0
+}
+
 /// Motion of the robot in one action, as measured.
 Pose incrementOf(const mrpt::obs::CActionRobotMovement2D& action) {
   using Action = mrpt::obs::CActionRobotMovement2D;
@@ -165,7 +170,7 @@ class RawlogSource final : public ScanSource {
     } else if (const auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object)) {
       onActions(*actions);
     } else {
-      ++seen_[object->GetRuntimeClass()->className];
+      ++seen_[shortClassName(*object)];
     }
   }
 
@@ -182,7 +187,7 @@ class RawlogSource final : public ScanSource {
   }
 
   void onSensor(const CObservation::Ptr& observation, bool in_frame) {
-    const std::string class_name = observation->GetRuntimeClass()->className;
+    const std::string class_name = shortClassName(*observation);
     const std::string& label = observation->sensorLabel;
     const bool scan = isScan(*observation, options_.sensor);
     if (scan && scan_class_.empty() && (options_.label.empty() || label == options_.label)) {
