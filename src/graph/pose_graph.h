@@ -24,6 +24,9 @@ struct PoseGraph {
   std::vector<Factor> factors;
   std::vector<std::int64_t> ids;  ///< the file's own vertex ids, empty = 0, 1, 2, …
   bool planar = false;            ///< SE(2) data lifted to SE(3): chi2 counts (x, y, yaw) only
+  /// Nodes the optimiser holds at their pose (g2o's FIX). A part of the graph without one is held by its priors,
+  /// without those by its first node.
+  std::vector<std::uint32_t> fixed;
 };
 
 }  // namespace scslam
