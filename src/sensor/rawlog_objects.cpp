@@ -123,9 +123,14 @@ class RawlogObjects::Archive final : public CArchive {
                         : std::min(packed + (end_ - begin_), size_ - std::min(size_, position_));
   }
 
+  /// Up to n of the bytes that follow. Damage behind them is left for the read() that comes to it.
   std::string_view peek(std::size_t n) {
-    const std::size_t got = available(n);
-    return {window_.data() + begin_, std::min(n, got)};
+    try {
+      available(n);
+    } catch (const Damage&) {
+      failure_.clear();
+    }
+    return {window_.data() + begin_, std::min(n, end_ - begin_)};
   }
 
  protected:
