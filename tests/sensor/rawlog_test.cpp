@@ -184,8 +184,7 @@ TEST(Rawlog, ActionsAreIntegrated) {
       actions->insert(action);
     } else {
       mrpt::obs::CActionRobotMovement3D action;
-      action.estimationMethod = mrpt::obs::CActionRobotMovement3D::emOdometry;
-      action.rawOdometryIncrementReading = CPose3D(0, 0, 0.5, 0, 0, 0);
+      action.poseChange.mean = CPose3D(0, 0, 0.5, 0, 0, 0);
       actions->insert(action);
     }
     auto frame = mrpt::obs::CSensoryFrame::Create();
@@ -212,7 +211,8 @@ TEST(Rawlog, OfSeveralLabelsTheFirstOrTheNamedOneIsTaken) {
   EXPECT_EQ(test::readAll(*sourceOf(objects, 1, options)).size(), 1U);
   options.label = "side";
   EXPECT_THAT(test::messageOf([&] { sourceOf(objects, 1, options); }),
-              HasSubstr("no scans with the label 'side'; it holds 1 x CObservation2DRangeScan 'rear'"));
+              HasSubstr("no scans with the label 'side'; it holds 2 x CObservation2DRangeScan 'front', 1 x "
+                        "CObservation2DRangeScan 'rear'"));
 }
 
 TEST(Rawlog, StampsThatGoBackArePassedOnAndMissingOnesMadeUp) {
