@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scslam/apps/evaluate.h"
+#include "scslam/core/error.h"
 #include "scslam/view/svg_plot.h"
 
 namespace scslam {
@@ -35,11 +37,20 @@ struct Tracks {
   Track odometry, optimised, truth;
 };
 
-Tracks tracksOf(const Session& session, const Evaluation* evaluation) {
+std::optional<Evaluation> evaluated(const Session& session, const std::optional<Trajectory>& truth) {
+  if (!truth) return std::nullopt;
+  try {
+    return evaluate(session, *truth);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+Tracks tracksOf(const Session& session, const std::optional<Evaluation>& evaluation) {
   Tracks tracks;
   for (const StampedPose& pose : session.odometry()) tracks.odometry.add(pose.T.translation());
   for (const StampedPose& pose : session.trajectory()) tracks.optimised.add(pose.T.translation());
-  if (evaluation == nullptr) return tracks;
+  if (!evaluation) return tracks;
   const Pose T_map_truth = evaluation->ate.T_truth_estimate.inverse();
   for (const auto& T_truth_base : evaluation->T_truth_base)
     if (T_truth_base) tracks.truth.add(T_map_truth * T_truth_base->translation());
@@ -115,24 +126,23 @@ std::string legend(const Session& session, bool with_truth, double y) {
   return svg;
 }
 
-std::string heading(const Session& session, const TrajectorySvgOptions& options, const Track& track) {
-  std::string name = options.title;
-  if (name.empty()) name = std::filesystem::absolute(session.folder()).lexically_normal().filename().string();
-  if (name.empty()) name = std::filesystem::absolute(session.folder()).lexically_normal().parent_path().filename();
+std::string heading(const Session& session, const std::optional<Evaluation>& evaluation, const Track& track) {
+  const auto path = std::filesystem::absolute(session.folder()).lexically_normal();
+  const std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
   std::string facts = fmt::format("{} scans, {} keyframes, {:.{}f} m", session.scans().size(),
                                   session.keyframes().size(), track.side.empty() ? 0.0 : track.side.back().x(),
                                   track.side.empty() || track.side.back().x() < 100 ? 1 : 0);
-  if (options.evaluation != nullptr)
-    facts += fmt::format("; ATE {:.3f} m, odometry {:.3f} m", options.evaluation->ate.rmse_m,
-                         options.evaluation->odometry_ate.rmse_m);
+  if (evaluation)
+    facts += fmt::format("; ATE {:.3f} m, odometry {:.3f} m", evaluation->ate.rmse_m, evaluation->odometry_ate.rmse_m);
   return fmt::format("<text x='64' y='30' class='title'>{}</text>\n<text x='64' y='50' fill='#57606a'>{}</text>\n",
                      escapedXml(name), escapedXml(facts));
 }
 
 }  // namespace
 
-std::string trajectorySvg(const Session& session, const TrajectorySvgOptions& options) {
-  const Tracks tracks = tracksOf(session, options.evaluation);
+std::string trajectorySvg(const Session& session, const std::optional<Trajectory>& truth) {
+  const std::optional<Evaluation> evaluation = evaluated(session, truth);
+  const Tracks tracks = tracksOf(session, evaluation);
   const PageRect above_page{64, 90, 816, 400}, side_page{64, 545, 816, 110};
   Bounds above, side;
   for (const Track* track : {&tracks.odometry, &tracks.optimised, &tracks.truth}) {
@@ -150,7 +160,7 @@ std::string trajectorySvg(const Session& session, const TrajectorySvgOptions& op
          ".label text,text.label{font-size:11.5px;fill:#57606a}</style>\n"
          "<defs><clipPath id='above'><rect x='64' y='90' width='816' height='400'/></clipPath></defs>\n"
          "<rect width='900' height='700' fill='white'/>\n" +
-         heading(session, options, tracks.optimised) + legend(session, !tracks.truth.above.empty(), 72) +
+         heading(session, evaluation, tracks.optimised) + legend(session, !tracks.truth.above.empty(), 72) +
          top.grid("x [m]", "y [m]") + "<g clip-path='url(#above)'>\n" + drawTracks(top, tracks, &Track::above) +
          drawLoops(top, session) + drawEnds(top, tracks.optimised) + "</g>\n" + scaleBar(top, above_page) +
          strip.grid("way driven [m]", "z [m]") + drawTracks(strip, tracks, &Track::side) + "</svg>\n";
