@@ -71,7 +71,9 @@ class MapBuild {
         voxels_(voxel_m_ > 0 ? voxel_m_ : 1, options.voxel_budget_bytes, out_folder) {
     const auto& registry = Registry<MapExporter>::instance();
     for (const std::string& format : formats) registry.find(format);  // complain before anything is written
-    std::filesystem::create_directories(out_folder);
+    std::error_code error;
+    std::filesystem::create_directories(out_folder, error);
+    if (error) throw inputError("cannot create {}: {}", out_folder.string(), error.message());
     const MapInfo info{out_folder, options.voxel_m.value_or(0), session.info().planar, session.trajectory(),
                        session.graph()};
     std::set<std::string> done;

@@ -224,8 +224,10 @@ std::unique_ptr<SessionWriter> SessionWriter::resume(const fs::path& folder, con
     for (const Keyframe& keyframe : contents.keyframes)
       recovered.descriptors.push_back(layout::readDescriptor(layout::descriptorFile(folder, keyframe.id)));
   }
-  removeFilesBeyond(folder, contents.keyframes.size());
+  // Open again before anything is cut: killed from here on, it must not pass for a complete one.
+  writeFileAtomically(folder / layout::kManifest, manifestText(same, contents, false));
   writeFileAtomically(folder / layout::kConfig, info.config_yaml);
+  removeFilesBeyond(folder, contents.keyframes.size());
   return std::make_unique<FolderWriter>(folder, std::move(lock), same, std::move(contents),
                                         checkpoint ? checkpoint->log_bytes : 0);
 }

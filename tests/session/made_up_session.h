@@ -70,7 +70,7 @@ struct MadeUpSession {
       }
     }
     writer.writeMetrics("{}\n");
-    writer.finish(buildGraph(keyframes, loops, poses, false), true);
+    writer.finish(buildGraph(keyframes, loops, poses, false), SessionEnd::kDone);
   }
   void tellAll(
       SessionWriter& writer, const std::function<void()>& after = [] {}) const {

@@ -177,7 +177,7 @@ TEST(SessionWriter, SecondWriterIsKeptOff) {
 
 TEST(SessionWriter, EmptySessionIsASession) {
   const fs::path folder = freshFolder() / "s";
-  SessionWriter::create(folder, MadeUpSession().info, false)->finish({}, true);
+  SessionWriter::create(folder, MadeUpSession().info, false)->finish({}, SessionEnd::kDone);
   const Session session = Session::open(folder);
   EXPECT_TRUE(session.complete());
   EXPECT_TRUE(session.trajectory().empty());
