@@ -1,0 +1,85 @@
+#include "scslam/core/voxel_filter.h"
+
+#include "scslam/core/simd.h"
+#include "scslam/core/voxel_index.h"
+
+namespace scslam {
+namespace {
+
+struct RangeLimits {
+  float min2, max2;  // squared [m^2]
+};
+
+/// Keys of n points; kNoVoxel for those outside the limits (a NaN compares false and is outside).
+SCSLAM_KERNEL
+void voxelKeys(const float* x, const float* y, const float* z, std::size_t n, float inverse_size, RangeLimits range,
+               VoxelKey* keys) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float range2 = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+    const bool inside = range2 >= range.min2 && range2 <= range.max2;
+    const float px = inside ? x[i] : 0.0f, py = inside ? y[i] : 0.0f, pz = inside ? z[i] : 0.0f;
+    const VoxelKey key =
+        packVoxel(floorToInt(px * inverse_size), floorToInt(py * inverse_size), floorToInt(pz * inverse_size));
+    keys[i] = inside ? key : kNoVoxel;
+  }
+}
+
+constexpr std::size_t kBlock = 256;
+
+/// Calls visit(i, key) for the points within the limits, in order.
+template <class Visit>
+void forEachKey(const Cloud& cloud, double voxel_m, double min_range_m, double max_range_m, const Visit& visit) {
+  VoxelKey keys[kBlock];
+  const RangeLimits range{static_cast<float>(min_range_m * min_range_m), static_cast<float>(max_range_m * max_range_m)};
+  for (std::size_t begin = 0; begin < cloud.size(); begin += kBlock) {
+    const std::size_t n = std::min(kBlock, cloud.size() - begin);
+    voxelKeys(&cloud.x[begin], &cloud.y[begin], &cloud.z[begin], n, static_cast<float>(1.0 / voxel_m), range, keys);
+    for (std::size_t i = 0; i < n; ++i)
+      if (keys[i] != kNoVoxel) visit(begin + i, keys[i]);
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> firstPerVoxel(const Cloud& cloud, double voxel_m, double min_range_m, double max_range_m) {
+  VoxelIndex seen(cloud.size() / 8);
+  std::vector<std::uint32_t> kept;
+  kept.reserve(cloud.size() / 4);
+  VoxelKey previous = kNoVoxel;  // neighbours in a scan often share a voxel
+  forEachKey(cloud, voxel_m, min_range_m, max_range_m, [&](std::size_t i, VoxelKey key) {
+    if (key == previous) return;
+    previous = key;
+    if (seen.findOrInsert(key) == kept.size()) kept.push_back(static_cast<std::uint32_t>(i));
+  });
+  return kept;
+}
+
+Cloud centroidPerVoxel(const Cloud& cloud, double voxel_m) {
+  VoxelIndex voxels(cloud.size() / 8);
+  std::vector<Eigen::Vector4d> sums;
+  forEachKey(cloud, voxel_m, 0.0, 1e4, [&](std::size_t i, VoxelKey key) {
+    const std::uint32_t voxel = voxels.findOrInsert(key);
+    if (voxel == sums.size()) sums.push_back(Eigen::Vector4d::Zero());
+    sums[voxel] += Eigen::Vector4d(cloud.x[i], cloud.y[i], cloud.z[i], 1.0);
+  });
+  Cloud result;
+  result.reserve(sums.size());
+  for (const Eigen::Vector4d& sum : sums) {
+    const Eigen::Vector3f mean = (sum.head<3>() / sum.w()).cast<float>();
+    result.push(mean.x(), mean.y(), mean.z());
+  }
+  return result;
+}
+
+Cloud selected(const Cloud& cloud, const std::vector<std::uint32_t>& points) {
+  Cloud result;
+  result.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    result.x[i] = cloud.x[points[i]];
+    result.y[i] = cloud.y[points[i]];
+    result.z[i] = cloud.z[points[i]];
+  }
+  return result;
+}
+
+}  // namespace scslam

@@ -1,0 +1,119 @@
+#include "scslam/core/voxel_surface.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scslam {
+
+VoxelFrame::VoxelFrame(const Pose& T, double voxel_m) : R(T.linear().cast<float>()) {
+  const Eigen::Vector3d corner = (T.translation() / voxel_m).array().floor();
+  anchor = corner.cast<int>();
+  t = (T.translation() - corner * voxel_m).cast<float>();
+}
+
+void VoxelSurface::insert(const Cloud& cloud_b, const Pose& T_map_b) {
+  const VoxelFrame frame(T_map_b, voxel_m_);
+  const auto size = static_cast<float>(voxel_m_), inverse_size = static_cast<float>(1.0 / voxel_m_);
+  std::vector<std::uint32_t> changed;
+  for (std::size_t i = 0; i < cloud_b.size(); ++i) {
+    const Eigen::Vector3f p = frame.place(cloud_b.point(i));
+    const VoxelCoord cell(floorToInt(p.x() * inverse_size), floorToInt(p.y() * inverse_size),
+                          floorToInt(p.z() * inverse_size));
+    const std::uint32_t voxel = index_.findOrInsert(packVoxel(cell + frame.anchor));
+    if (voxel == moments_.size()) {
+      moments_.emplace_back().next_fit = static_cast<float>(rules_.min_points);
+      surfels_.emplace_back();
+    }
+    Moments& m = moments_[voxel];
+    if (m.n >= static_cast<float>(rules_.max_points)) continue;
+    const Eigen::Vector3f d = p - (cell.cast<float>().array() + 0.5f).matrix() * size;
+    m.n += 1;
+    m.x += d.x(), m.y += d.y(), m.z += d.z();
+    m.xx += d.x() * d.x(), m.xy += d.x() * d.y(), m.xz += d.x() * d.z();
+    m.yy += d.y() * d.y(), m.yz += d.y() * d.z(), m.zz += d.z() * d.z();
+    if (m.n >= m.next_fit) {
+      m.next_fit = std::numeric_limits<float>::infinity();  // listed once
+      changed.push_back(voxel);
+    }
+  }
+  for (const std::uint32_t voxel : changed) {
+    Moments& m = moments_[voxel];
+    surfels_[voxel] = fitted(m);
+    m.next_fit = std::ceil(1.25f * m.n);
+  }
+}
+
+Surfel VoxelSurface::fitted(const Moments& m) const {
+  const double n = m.n;
+  const Eigen::Vector3d mean = Eigen::Vector3d(m.x, m.y, m.z) / n;
+  Eigen::Matrix3d covariance;
+  covariance << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
+  covariance = covariance / n - mean * mean.transpose();
+
+  double smallest, middle;
+  Eigen::Vector3d normal;
+  if (rules_.planar) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+    eigen.computeDirect(covariance.topLeftCorner<2, 2>());
+    smallest = eigen.eigenvalues()[0], middle = eigen.eigenvalues()[1];
+    normal << eigen.eigenvectors().col(0), 0.0;
+  } else {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+    eigen.computeDirect(covariance);
+    smallest = eigen.eigenvalues()[0], middle = eigen.eigenvalues()[1];
+    normal = eigen.eigenvectors().col(0);
+  }
+
+  Surfel surfel;
+  surfel.count = m.n;
+  const bool flat = smallest <= static_cast<double>(rules_.max_flatness) * middle &&
+                    middle >= static_cast<double>(rules_.min_spread) * voxel_m_ * voxel_m_;
+  if (!flat || !normal.allFinite()) return surfel;
+  const Eigen::Vector3f offset = (mean.array() + 0.5 * voxel_m_).cast<float>();
+  surfel.mx = offset.x(), surfel.my = offset.y(), surfel.mz = offset.z();
+  surfel.nx = static_cast<float>(normal.x()), surfel.ny = static_cast<float>(normal.y());
+  surfel.nz = static_cast<float>(normal.z());
+  surfel.variance = static_cast<float>(std::max(smallest, 0.0));
+  return surfel;
+}
+
+void VoxelSurface::forgetBeyond(const Eigen::Vector3d& centre, double radius_m, std::size_t budget) {
+  const Eigen::Vector3d centre_voxel = centre / voxel_m_;
+  const double radius2 = (radius_m / voxel_m_) * (radius_m / voxel_m_);
+  for (std::size_t looked = std::min(budget, size()); looked > 0 && size() > 0; --looked) {
+    if (sweep_ >= size()) sweep_ = 0;
+    const VoxelCoord voxel = unpackVoxel(index_.keys()[sweep_]);
+    if ((voxel.cast<double>() - centre_voxel).squaredNorm() <= radius2) {
+      ++sweep_;
+      continue;
+    }
+    index_.erase(static_cast<std::uint32_t>(sweep_));
+    moments_[sweep_] = moments_.back();
+    moments_.pop_back();
+    surfels_[sweep_] = surfels_.back();
+    surfels_.pop_back();
+  }
+}
+
+void VoxelSurface::save(ByteWriter& state) const {
+  state.put(index_.keys());
+  state.put(moments_);
+  state.put(surfels_);
+  state.put(std::uint64_t{sweep_});
+}
+
+void VoxelSurface::load(ByteReader& state) {
+  std::vector<VoxelKey> keys;
+  state.get(keys);
+  state.get(moments_);
+  state.get(surfels_);
+  sweep_ = state.get<std::uint64_t>();
+  if (moments_.size() != keys.size() || surfels_.size() != keys.size())
+    throw inputError("a voxel map's state is inconsistent: {} voxels, {} moments, {} surfels", keys.size(),
+                     moments_.size(), surfels_.size());
+  index_.assign(std::move(keys));
+}
+
+}  // namespace scslam

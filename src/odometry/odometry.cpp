@@ -1,0 +1,7 @@
+#include "scslam/odometry/odometry.h"
+
+namespace scslam {
+
+SCSLAM_DEFINE_REGISTRY(Odometry)
+
+}  // namespace scslam

@@ -1,0 +1,7 @@
+#include "scslam/registration/registration.h"
+
+namespace scslam {
+
+SCSLAM_DEFINE_REGISTRY(Registration)
+
+}  // namespace scslam
