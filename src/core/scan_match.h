@@ -112,12 +112,12 @@ struct PoseGrid {
   double xy_step_m = 1;
   double z_range_m = 0;
   double z_step_m = 0.5;
-  std::size_t max_points = 400;  ///< of the source, spread evenly
+  std::size_t max_points = 300;  ///< of the source, spread evenly
   int candidates = 6;            ///< best cells that are refined
 };
 
-/// matchScan() from the guess and from the best cells of the grid about it (yaw about the map's z axis, shifts in the
-/// map frame); the result with the highest mean score, ties to the cell nearest the guess.
+/// matchScan() from the guess and from the best cells of the grid about it (yaw about the
+/// local ground's normal, shifts in the map frame); the result with the highest mean score, ties to the cell nearest the guess.
 MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                            const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads);
 

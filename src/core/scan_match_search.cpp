@@ -22,14 +22,14 @@ std::vector<double> offsets(double range, double step) {
   return result;
 }
 
-std::vector<Cell> cellsOf(const Pose& T_guess, const PoseGrid& grid) {
+std::vector<Cell> cellsOf(const Pose& T_guess, const Eigen::Vector3d& up, const PoseGrid& grid) {
   const auto yaws = offsets(std::min(grid.yaw_range_rad, M_PI), grid.yaw_step_rad);
   const auto shifts = offsets(grid.xy_range_m, grid.xy_step_m), heights = offsets(grid.z_range_m, grid.z_step_m);
   std::vector<Cell> cells;
   cells.reserve(yaws.size() * shifts.size() * shifts.size() * heights.size());
   for (const double yaw : yaws) {
     Pose T = T_guess;
-    T.linear() = poseFromYaw(yaw, Eigen::Vector3d::Zero()).linear() * T_guess.linear();
+    T.linear() = Eigen::AngleAxisd(yaw, up).toRotationMatrix() * T_guess.linear();
     for (const double dx : shifts)
       for (const double dy : shifts)
         for (const double dz : heights) {
@@ -55,6 +55,13 @@ std::vector<Cell> bestCells(std::vector<Cell> cells, const PoseGrid& grid, int c
   return best;
 }
 
+MatchOptions quick(MatchOptions options, int iterations) {
+  options.max_iterations = iterations;
+  options.step_m = 5e-3;
+  options.step_rad = 5e-4;
+  return options;
+}
+
 }  // namespace
 
 Cloud thinned(const Cloud& cloud, std::size_t max_points) {
@@ -71,26 +78,39 @@ Cloud thinned(const Cloud& cloud, std::size_t max_points) {
 MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                            const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads) {
   constexpr std::size_t kCellsAtOnce = 32, kRefinePoints = 1500;
+  constexpr int kSlides = 48;
   if (source.empty() || map.empty() || !isRigid(T_map_scan_guess))
     return matchScan(map, source, T_map_scan_guess, options, threads);
 
-  std::vector<Cell> cells = cellsOf(T_map_scan_guess, grid);
   const int coarsest = options.levels.coarsest;
   const double coarse_m = map.level(coarsest).voxelSize();
+  // A sensor is seldom mounted level: its z axis is not the axis it turns about, and half a turn doubles the difference.
+  const Eigen::Vector3d up = options.planar ? Eigen::Vector3d::UnitZ().eval()
+                                            : map.level(coarsest).upNear(T_map_scan_guess.translation(), 20 * coarse_m);
+  std::vector<Cell> cells = cellsOf(T_map_scan_guess, up, grid);
   const Cloud few = thinned(source, grid.max_points);
   threads.forEachChunk(cells.size(), kCellsAtOnce, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i)
       cells[i].score = matchScore(map, coarsest, few, cells[i].T_map_scan, 0.5 * coarse_m);
   });
-  std::vector<Cell> starts = bestCells(std::move(cells), grid, grid.candidates);
+  const int middle = std::max(options.levels.finest, coarsest - 1);
+  MatchOptions coarsest_only = quick(options, 8), coarse = quick(options, 12), fine = quick(options, 12);
+  coarsest_only.levels = {coarsest, coarsest};
+  coarse.levels = {middle, coarsest};
+
+  // The basin of a cell is wider than its score's peak, so many cells slide to their peak before a few are kept.
+  std::vector<Cell> starts = bestCells(std::move(cells), grid, kSlides);
+  threads.forEachChunk(starts.size(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
+    ThreadPool alone;
+    for (std::size_t i = begin; i < end; ++i) {
+      starts[i].T_map_scan = matchScan(map, few, starts[i].T_map_scan, coarsest_only, alone).T_map_scan;
+      starts[i].score = matchScore(map, middle, few, starts[i].T_map_scan, 0.5 * map.level(middle).voxelSize());
+    }
+  });
+  starts = bestCells(std::move(starts), grid, grid.candidates);
   starts.insert(starts.begin(), Cell{T_map_scan_guess, 0});
 
   const Cloud some = thinned(source, kRefinePoints);
-  MatchOptions coarse = options, fine = options;
-  coarse.levels = {std::max(options.levels.finest, coarsest - 1), coarsest};
-  coarse.max_iterations = 12, fine.max_iterations = 12;
-  coarse.step_m = fine.step_m = 5e-3;
-  coarse.step_rad = fine.step_rad = 5e-4;
   MatchResult best;
   best.T_map_scan = T_map_scan_guess;
   for (const Cell& start : starts) {

@@ -97,6 +97,19 @@ void VoxelSurface::forgetBeyond(const Eigen::Vector3d& centre, double radius_m, 
   }
 }
 
+Eigen::Vector3d VoxelSurface::upNear(const Eigen::Vector3d& centre, double radius_m) const {
+  const Eigen::Vector3d centre_voxel = centre / voxel_m_;
+  const double radius2 = (radius_m / voxel_m_) * (radius_m / voxel_m_);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Surfel& s = surfels_[i];
+    if (!s.valid() || std::abs(s.nz) < 0.95f) continue;
+    if ((unpackVoxel(index_.keys()[i]).cast<double>() - centre_voxel).squaredNorm() > radius2) continue;
+    sum += std::copysign(1.0, static_cast<double>(s.nz)) * Eigen::Vector3d(s.nx, s.ny, s.nz);
+  }
+  return sum.norm() > 1e-6 ? Eigen::Vector3d(sum.normalized()) : Eigen::Vector3d::UnitZ();
+}
+
 void VoxelSurface::save(ByteWriter& state) const {
   state.put(index_.keys());
   state.put(moments_);

@@ -64,6 +64,10 @@ class VoxelSurface {
   }
   bool occupied(VoxelKey key) const { return index_.find(key) != VoxelIndex::kAbsent; }
 
+  /// Mean direction of the planes within 18 degrees of level and radius_m of `centre`: the local up (ground, floors).
+  /// @return +z where there are none.
+  Eigen::Vector3d upNear(const Eigen::Vector3d& centre, double radius_m) const;
+
   void save(ByteWriter& state) const;
   void load(ByteReader& state);
 

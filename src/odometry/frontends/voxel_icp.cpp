@@ -48,7 +48,7 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
   MatchResult match = fit.match;
   const Pose T_guess = T_odom_base_ * predictedStep(scan.stamp);
   if (!moving_known_ || poor(match) || surprising(match, T_guess)) {
-    const MatchResult found = search(prepared.map_points, match.T_map_scan, poor(match));
+    const MatchResult found = search(prepared.map_points, poor(match) ? T_guess : match.T_map_scan, poor(match));
     if (found.meanScore() > match.meanScore()) {
       const double turned = rotationAngle(match.T_map_scan.inverse() * found.T_map_scan);
       if (moving_known_ && turned > 0.2) out.quality.note = "recovered by rotation search";
@@ -245,14 +245,15 @@ MatchResult VoxelIcp::search(const Cloud& source, const Pose& T_odom_base_guess,
   const double coarse_m = voxel_m_ * (1 << (kLevels - 1));
   PoseGrid grid;
   grid.yaw_range_rad = full_turn ? M_PI : 0.3;
-  grid.yaw_step_rad = 0.1;
+  grid.yaw_step_rad = 0.07;
   grid.xy_range_m = 3.0 * coarse_m;
-  grid.xy_step_m = 0.6 * coarse_m;
+  grid.candidates = 6;
+  grid.xy_step_m = 0.5 * coarse_m;
   const Cloud thinner = source.size() <= kThinAbove ? source : selected(source, firstPerVoxel(source, voxel_m_));
   return searchAndMatch(*map_, thinner, T_odom_base_guess, grid, matchOptions(), context_.threads);
 }
 
-}  // namespace scslam
+SCSLAM_REGISTER(Odometry, VoxelIcp, "voxel_icp",
+                "scan-to-map point-to-plane ICP on voxel planes; finds itself again after a turn by search")
 
-SCSLAM_REGISTER(scslam::Odometry, scslam::VoxelIcp, "voxel_icp",
-                "scan-to-map point-to-plane ICP on voxel planes, recovers from turns by search")
+}  // namespace scslam
