@@ -59,8 +59,8 @@ void printTable(const RunSummary& s, const std::optional<Evaluation>& evaluation
                           s.wall_s > 0 ? s.input_duration_s / s.wall_s : 0, s.ms_per_scan_median, s.ms_per_scan_p95));
   row("memory", fmt::format("{:.0f} MB at most", s.peak_rss_mb));
   if (evaluation) {
-    row("odometry ATE", fmt::format("{:.3f} m (before)", evaluation->odometry_ate_rmse_m));
-    row("map ATE", fmt::format("{:.3f} m (after)", evaluation->ate_rmse_m));
+    row("odometry ATE", fmt::format("{:.3f} m (before)", evaluation->odometry_ate.rmse_m));
+    row("map ATE", fmt::format("{:.3f} m (after)", evaluation->ate.rmse_m));
   }
 }
 

@@ -50,40 +50,49 @@ constexpr std::uint32_t kMinMatches = 12;
 /// optimization-based state estimation"): they keep their guess instead of following noise.
 struct Step {
   Vector6d delta = Vector6d::Zero();
+  Matrix6d information = Matrix6d::Zero();  ///< of the directions that are fixed
   int degenerate_axes = 0;
 };
 
 /// @param lever_m turns rotations into lengths, so that one share of information judges all axes.
 Step solve(const MatchSystem& system, double lever_m, bool planar, double degenerate_share) {
-  const std::vector<int> axes = planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
-  const auto n = static_cast<Eigen::Index>(axes.size());
   Vector6d scale;
   scale << 1, 1, 1, 1 / lever_m, 1 / lever_m, 1 / lever_m;
-  Eigen::MatrixXd H(n, n);
-  Eigen::VectorXd g(n), s(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int a = axes[static_cast<std::size_t>(i)];
-    s(i) = scale(a);
-    g(i) = s(i) * system.g(a);
-    for (Eigen::Index j = 0; j < n; ++j) H(i, j) = s(i) * scale(axes[static_cast<std::size_t>(j)]) *
-                                                   system.H(a, axes[static_cast<std::size_t>(j)]);
+  Matrix6d H = scale.asDiagonal() * system.H * scale.asDiagonal();
+  Vector6d g = scale.asDiagonal() * system.g;
+  if (planar) {
+    for (const int axis : {2, 3, 4}) {
+      H.row(axis).setZero();
+      H.col(axis).setZero();
+      g(axis) = 0;
+    }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
-  const double total = system.H.topLeftCorner<3, 3>().trace();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(H);
+  const double least = degenerate_share * system.H.topLeftCorner<3, 3>().trace();
   Step step;
-  Eigen::VectorXd delta = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (int i = 0; i < 6; ++i) {
     const double information = eigen.eigenvalues()(i);
-    if (!(information > degenerate_share * total)) {
+    const Vector6d v = eigen.eigenvectors().col(i);
+    if (!(information > least)) {
       ++step.degenerate_axes;
       continue;
     }
-    const Eigen::VectorXd v = eigen.eigenvectors().col(i);
-    delta -= v * (v.dot(g) / information);
+    step.delta -= v * (v.dot(g) / information);
+    step.information += information * v * v.transpose();
   }
-  for (Eigen::Index i = 0; i < n; ++i) step.delta(axes[static_cast<std::size_t>(i)]) = s(i) * delta(i);
+  if (planar) {
+    step.degenerate_axes -= 3;
+    for (const int axis : {2, 3, 4}) step.delta(axis) = 0;
+  }
+  step.delta = scale.asDiagonal() * step.delta;
+  const Vector6d unscale = scale.cwiseInverse();
+  step.information = unscale.asDiagonal() * step.information * unscale.asDiagonal();
   return step;
 }
+
+/// Products of many rotations drift off SO(3), and extrapolating with them doubles the error each time. Keeps a pure
+/// heading pure.
+void renormalise(Pose& T) { T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix(); }
 
 double leverOf(const Cloud& source) {
   double sum = 0;
@@ -109,8 +118,10 @@ MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose
     if (result.system.matched < kMinMatches) return result;
     const Step step = solve(result.system, lever_m, options.planar, options.degenerate_share);
     result.degenerate_axes = step.degenerate_axes;
+    result.information = step.information / MatchResult::kCorrelatedPoints;
     result.kernel_width_m = kernel.width_m;
     result.T_map_scan = retract(result.T_map_scan, step.delta);
+    renormalise(result.T_map_scan);
     // 3 robust standard deviations; never narrower than the point noise.
     const double sigma = 1.4826 * result.system.medianResidual(kernel.gate_m);
     kernel.width_m = std::clamp(3.0 * sigma, 2.0 * options.sigma_m, 0.5 * kernel.gate_m);

@@ -60,7 +60,7 @@ KeyParams keyParams(const VoxelFrame& frame, double voxel_m) {
 /// Weighted normal equations of a block. Jacobian of r by the right perturbation: m = R^T n, p x m.
 SCSLAM_KERNEL
 void accumulateBlock(const Block& b, std::size_t n, const KeyParams& f, float width2, float sigma2, Sums& sums) {
-  const auto load = [](const float* p) { return *reinterpret_cast<const Float8*>(p); };
+  const auto load = [](const float* p) -> const Float8& { return *reinterpret_cast<const Float8*>(p); };
   for (std::size_t i = 0; i < n; i += kLanes) {
     const Float8 nx = load(b.nx + i), ny = load(b.ny + i), nz = load(b.nz + i), r = load(b.r + i);
     const Float8 x = load(b.x + i), y = load(b.y + i), z = load(b.z + i), variance = load(b.variance + i);
@@ -83,8 +83,9 @@ void accumulateBlock(const Block& b, std::size_t n, const KeyParams& f, float wi
 }
 
 /// Finds the planes of the points in `pending` at one level; what stays without a plane stays in `pending`.
-void lookUp(const VoxelSurface& surface, const VoxelFrame& frame, Block& b, std::uint16_t* pending, std::size_t& n) {
-  const auto size = static_cast<float>(surface.voxelSize()), inverse_size = static_cast<float>(1.0 / surface.voxelSize());
+void lookUp(const VoxelSurface& surface, Block& b, std::uint16_t* pending, std::size_t& n) {
+  const auto size = static_cast<float>(surface.voxelSize()),
+             inverse_size = static_cast<float>(1.0 / surface.voxelSize());
   std::size_t left = 0;
   for (std::size_t k = 0; k < n; ++k) surface.prefetch(b.key[pending[k]]);
   for (std::size_t k = 0; k < n; ++k) {
@@ -101,7 +102,6 @@ void lookUp(const VoxelSurface& surface, const VoxelFrame& frame, Block& b, std:
     b.r[i] = surfel->nx * dx + surfel->ny * dy + surfel->nz * dz;
     b.variance[i] = surfel->variance;
   }
-  (void)frame;
   n = left;
 }
 
@@ -143,9 +143,20 @@ class Linearisation {
                 const MatchKernel& kernel)
       : map_(map), levels_(levels), source_(source), kernel_(kernel) {
     for (int l = levels.finest; l <= levels.coarsest; ++l) {
-      frames_.emplace_back(T_map_scan, map.level(l).voxelSize());
-      params_.push_back(keyParams(frames_.back(), map.level(l).voxelSize()));
+      params_.push_back(keyParams(VoxelFrame(T_map_scan, map.level(l).voxelSize()), map.level(l).voxelSize()));
     }
+  }
+
+  double score() const {
+    MatchSystem system;
+    Block block;
+    for (std::size_t begin = 0; begin < source_.size(); begin += kBlock) {
+      const std::size_t n = std::min(kBlock, source_.size() - begin);
+      load(begin, n, n, block);
+      match(block, n);
+      countBlock(block, n, kernel_, system);
+    }
+    return source_.empty() ? 0.0 : system.score / static_cast<double>(source_.size());
   }
 
   MatchSystem chunk(std::size_t begin, std::size_t end) const {
@@ -183,7 +194,7 @@ class Linearisation {
     for (int l = levels_.finest; l <= levels_.coarsest && left > 0; ++l) {
       const auto k = static_cast<std::size_t>(l - levels_.finest);
       placeBlock(block, n, params_[k]);
-      lookUp(map_.level(l), frames_[k], block, pending, left);
+      lookUp(map_.level(l), block, pending, left);
     }
   }
 
@@ -191,7 +202,6 @@ class Linearisation {
   LevelRange levels_;
   const Cloud& source_;
   MatchKernel kernel_;
-  std::vector<VoxelFrame> frames_;
   std::vector<KeyParams> params_;
 };
 
@@ -219,6 +229,13 @@ MatchSystem linearise(const SurfacePyramid& map, LevelRange levels, const Cloud&
   for (const MatchSystem& part : parts) add(part, total);
   total.H.triangularView<Eigen::StrictlyLower>() = total.H.transpose();
   return total;
+}
+
+double matchScore(const SurfacePyramid& map, int level, const Cloud& source, const Pose& T_map_scan, double inlier_m) {
+  MatchKernel kernel;
+  kernel.gate_m = map.level(level).voxelSize();
+  kernel.inlier_m = inlier_m;
+  return Linearisation(map, {level, level}, source, T_map_scan, kernel).score();
 }
 
 }  // namespace scslam

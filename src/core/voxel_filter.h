@@ -7,8 +7,8 @@
 
 namespace scslam {
 
-/// Numbers of the points kept: finite, min_range <= |p| <= max_range [m] from the cloud's origin, and the first of their
-/// voxel of size voxel_m (voxel corners at multiples of voxel_m). In increasing order. voxel_m > 0.
+/// Numbers of the points kept: finite, min_range <= |p| <= max_range [m] from the cloud's origin, and the first of
+/// their voxel of size voxel_m (voxel corners at multiples of voxel_m). In increasing order. voxel_m > 0.
 std::vector<std::uint32_t> firstPerVoxel(const Cloud& cloud, double voxel_m, double min_range_m = 0.0,
                                          double max_range_m = 1e4);
 

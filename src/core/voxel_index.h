@@ -1,4 +1,5 @@
-// A flat open-addressing hash from voxel keys to dense numbers 0..size()-1: the payload lives in the owner's own arrays.
+// A flat open-addressing hash from voxel keys to dense numbers 0..size()-1: the payload lives in the owner's own
+// arrays.
 #pragma once
 #include <cstddef>
 #include <vector>

@@ -17,7 +17,9 @@ inline constexpr VoxelKey kNoVoxel = ~VoxelKey{0};
 inline VoxelKey packVoxel(std::int32_t x, std::int32_t y, std::int32_t z) {
   constexpr std::int32_t kOffset = 1 << 20;
   constexpr VoxelKey kMask = (VoxelKey{1} << 21) - 1;
-  const auto field = [](std::int32_t v) { return static_cast<VoxelKey>(static_cast<std::uint32_t>(v + kOffset)) & kMask; };
+  const auto field = [](std::int32_t v) {
+    return static_cast<VoxelKey>(static_cast<std::uint32_t>(v + kOffset)) & kMask;
+  };
   return field(x) | (field(y) << 21) | (field(z) << 42);
 }
 inline VoxelKey packVoxel(const VoxelCoord& v) { return packVoxel(v.x(), v.y(), v.z()); }

@@ -27,17 +27,17 @@ struct Surfel {
 /// Which plane fits count.
 struct SurfelRules {
   int min_points = 5;
-  int max_points = 200;        ///< a full voxel takes no more points: the first drive anchors the map
-  float max_flatness = 0.1f;   ///< smallest / middle eigenvalue of the covariance
-  float min_spread = 0.005f;   ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
-  bool planar = false;         ///< 2-D data: lines in the x-y plane, normals horizontal
+  int max_points = 200;       ///< a full voxel takes no more points: the first drive anchors the map
+  float max_flatness = 0.1f;  ///< smallest / middle eigenvalue of the covariance
+  float min_spread = 0.005f;  ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
+  bool planar = false;        ///< 2-D data: lines in the x-y plane, normals horizontal
 };
 
 /// A point's place relative to voxels: everything stays small numbers, whatever the distance from the map's origin.
 struct VoxelFrame {
-  VoxelCoord anchor;            ///< the voxel at T's translation
-  Eigen::Matrix3f R;            ///< rotation of T
-  Eigen::Vector3f t;            ///< translation of T from the low corner of `anchor` [m]
+  VoxelCoord anchor;  ///< the voxel at T's translation
+  Eigen::Matrix3f R;  ///< rotation of T
+  Eigen::Vector3f t;  ///< translation of T from the low corner of `anchor` [m]
 
   VoxelFrame(const Pose& T, double voxel_m);
   Eigen::Vector3f place(const Eigen::Vector3f& p) const { return R * p + t; }

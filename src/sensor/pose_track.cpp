@@ -29,6 +29,11 @@ std::optional<Pose> PoseTrack::at(Stamp stamp) const {
   return interpolate(before.T, after->T, secondsBetween(before.stamp, stamp) / gap);
 }
 
+bool PoseTrack::covers(Stamp stamp) const {
+  if (poses_.empty() || poses_.back().stamp < stamp) return false;
+  return poses_.size() > 1 || poses_.back().stamp == stamp;
+}
+
 void PoseTrack::forgetBefore(Stamp stamp) {
   while (poses_.size() > 2 && poses_[1].stamp <= stamp) poses_.pop_front();
 }

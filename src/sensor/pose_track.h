@@ -15,7 +15,8 @@ class PoseTrack {
   /// the first or after the last, carried on at the speed there; nullopt elsewhere.
   std::optional<Pose> at(Stamp stamp) const;
   bool empty() const { return poses_.empty(); }
-  bool reaches(Stamp stamp) const { return !poses_.empty() && poses_.back().stamp >= stamp; }
+  /// Will poses that are still to come not change at(stamp)?
+  bool covers(Stamp stamp) const;
   /// Forgets what lies more than one pose before `stamp`.
   void forgetBefore(Stamp stamp);
 

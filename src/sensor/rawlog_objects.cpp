@@ -70,6 +70,12 @@ std::string_view withoutNamespace(std::string_view name) {
   return colon == std::string_view::npos ? name : name.substr(colon + 1);
 }
 
+bool isClassName(std::string_view name) {
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == ':';
+  });
+}
+
 /// The classes that keep what a count announces in MRPT's aligned buffers.
 std::optional<Stated> stated(std::string_view class_name, CArchive& in, int version) {
   if (class_name == "CObservation2DRangeScan") return statedByRangeScan(in, version);
@@ -123,9 +129,14 @@ class RawlogObjects::Archive final : public CArchive {
                         : std::min(packed + (end_ - begin_), size_ - std::min(size_, position_));
   }
 
+  /// Up to n of the bytes that follow. Damage behind them is left for the read() that comes to it.
   std::string_view peek(std::size_t n) {
-    const std::size_t got = available(n);
-    return {window_.data() + begin_, std::min(n, got)};
+    try {
+      available(n);
+    } catch (const Damage&) {
+      failure_.clear();
+    }
+    return {window_.data() + begin_, std::min(n, end_ - begin_)};
   }
 
  protected:
@@ -193,7 +204,7 @@ class RawlogObjects::Archive final : public CArchive {
       return;
     }
     if (old_format_ && bytes == std::string_view("\0\0\0", 3)) return;
-    const bool is_name = name_length_ == bytes.size() && bytes.size() > 6;
+    const bool is_name = name_length_ == bytes.size() && bytes.size() > 6 && isClassName(bytes);
     name_length_ = 0;
     if (!is_name) return;
     const std::string_view class_name = withoutNamespace(bytes);
@@ -259,8 +270,7 @@ mrpt::serialization::CSerializable::Ptr RawlogObjects::next() {
   } catch (const std::exception& error) {
     why = archive_->failure().empty() ? firstReason(error.what()) : archive_->failure();
   }
-  const bool named = !class_name.empty() &&
-                     std::all_of(class_name.begin(), class_name.end(), [](char c) { return c > ' ' && c < 127; });
+  const bool named = !class_name.empty() && isClassName(class_name);
   const Error error = inputError("{}: damaged at byte {}{} (in the {} that began at byte {}): {}", archive_->file(),
                                  archive_->position(), archive_->compressed() ? " of the uncompressed data" : "",
                                  named ? class_name : "object", start, why);
@@ -278,10 +288,7 @@ std::string RawlogObjects::firstClassName(const std::filesystem::path& file) {
   const std::size_t begin = (length & 0x80U) != 0 ? 1 : 4, n = length & 0x7FU;
   if (got < 1 || n < 4 || begin + n > static_cast<std::size_t>(got)) return "";
   const std::string name(head + begin, n);
-  const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == ':';
-  });
-  return plain && (name[0] == 'C' || name.find("::C") != std::string::npos) ? name : "";
+  return isClassName(name) && (name[0] == 'C' || name.find("::C") != std::string::npos) ? name : "";
 }
 
 }  // namespace scslam

@@ -35,11 +35,8 @@ Pose incrementOf(const mrpt::obs::CActionRobotMovement2D& action) {
   const bool raw = action.estimationMethod == Action::emOdometry || !action.poseChange;
   return fromMrpt(mrpt::poses::CPose3D(raw ? action.rawOdometryIncrementReading : action.poseChange->getMeanVal()));
 }
-Pose incrementOf(const mrpt::obs::CActionRobotMovement3D& action) {
-  using Action = mrpt::obs::CActionRobotMovement3D;
-  return fromMrpt(action.estimationMethod == Action::emOdometry ? action.rawOdometryIncrementReading
-                                                                : action.poseChange.mean);
-}
+/// The raw reading of a 3-D action is not stored in files.
+Pose incrementOf(const mrpt::obs::CActionRobotMovement3D& action) { return fromMrpt(action.poseChange.mean); }
 
 class RawlogSource final : public ScanSource {
  public:
@@ -123,7 +120,7 @@ class RawlogSource final : public ScanSource {
     const auto waits = [this] {
       const Pending& front = pending_.front();
       if (ended_ || pending_.size() >= kLookAhead || (front.in_frame && has_actions_)) return false;
-      return !track().empty() && !track().reaches(front.observation->timestamp);
+      return !track().empty() && !track().covers(front.observation->timestamp);
     };
     while (waits()) readEntry();
     return true;

@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scslam/core/scan_match.h"
+
+namespace scslam {
+namespace {
+
+struct Cell {
+  Pose T_map_scan;
+  double score = 0;
+};
+
+/// Offsets -range … range in equal steps of at most `step`, 0 first, then outwards.
+std::vector<double> offsets(double range, double step) {
+  std::vector<double> result = {0.0};
+  const int n = static_cast<int>(std::ceil(range / step - 1e-9));
+  for (int i = 1; i <= n; ++i) {
+    result.push_back(range * i / n);
+    result.push_back(-range * i / n);
+  }
+  return result;
+}
+
+std::vector<Cell> cellsOf(const Pose& T_guess, const PoseGrid& grid) {
+  const auto yaws = offsets(std::min(grid.yaw_range_rad, M_PI), grid.yaw_step_rad);
+  const auto shifts = offsets(grid.xy_range_m, grid.xy_step_m), heights = offsets(grid.z_range_m, grid.z_step_m);
+  std::vector<Cell> cells;
+  cells.reserve(yaws.size() * shifts.size() * shifts.size() * heights.size());
+  for (const double yaw : yaws) {
+    Pose T = T_guess;
+    T.linear() = poseFromYaw(yaw, Eigen::Vector3d::Zero()).linear() * T_guess.linear();
+    for (const double dx : shifts)
+      for (const double dy : shifts)
+        for (const double dz : heights) {
+          T.translation() = T_guess.translation() + Eigen::Vector3d(dx, dy, dz);
+          cells.push_back({T, 0});
+        }
+  }
+  return cells;
+}
+
+/// The `count` best cells that are not neighbours of a better one.
+std::vector<Cell> bestCells(std::vector<Cell> cells, const PoseGrid& grid, int count) {
+  std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.score > b.score; });
+  std::vector<Cell> best;
+  for (const Cell& cell : cells) {
+    if (best.size() == static_cast<std::size_t>(count)) break;
+    const bool near_better = std::any_of(best.begin(), best.end(), [&](const Cell& other) {
+      const Vector6d d = local(other.T_map_scan, cell.T_map_scan);
+      return d.head<3>().norm() < 1.01 * grid.xy_step_m && d.tail<3>().norm() < 1.01 * grid.yaw_step_rad;
+    });
+    if (!near_better) best.push_back(cell);
+  }
+  return best;
+}
+
+}  // namespace
+
+Cloud thinned(const Cloud& cloud, std::size_t max_points) {
+  Cloud result;
+  const std::size_t n = std::min(cloud.size(), max_points);
+  result.reserve(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = k * cloud.size() / n;
+    result.push(cloud.x[i], cloud.y[i], cloud.z[i]);
+  }
+  return result;
+}
+
+MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
+                           const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads) {
+  constexpr std::size_t kCellsAtOnce = 32, kRefinePoints = 1500;
+  if (source.empty() || map.empty() || !isRigid(T_map_scan_guess))
+    return matchScan(map, source, T_map_scan_guess, options, threads);
+
+  std::vector<Cell> cells = cellsOf(T_map_scan_guess, grid);
+  const int coarsest = options.levels.coarsest;
+  const double coarse_m = map.level(coarsest).voxelSize();
+  const Cloud few = thinned(source, grid.max_points);
+  threads.forEachChunk(cells.size(), kCellsAtOnce, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i)
+      cells[i].score = matchScore(map, coarsest, few, cells[i].T_map_scan, 0.5 * coarse_m);
+  });
+  std::vector<Cell> starts = bestCells(std::move(cells), grid, grid.candidates);
+  starts.insert(starts.begin(), Cell{T_map_scan_guess, 0});
+
+  const Cloud some = thinned(source, kRefinePoints);
+  MatchOptions coarse = options, fine = options;
+  coarse.levels = {std::max(options.levels.finest, coarsest - 1), coarsest};
+  coarse.max_iterations = 12, fine.max_iterations = 12;
+  coarse.step_m = fine.step_m = 5e-3;
+  coarse.step_rad = fine.step_rad = 5e-4;
+  MatchResult best;
+  best.T_map_scan = T_map_scan_guess;
+  for (const Cell& start : starts) {
+    const MatchResult rough = matchScan(map, some, start.T_map_scan, coarse, threads);
+    MatchResult refined = matchScan(map, some, rough.T_map_scan, fine, threads);
+    if (refined.meanScore() > best.meanScore()) best = refined;
+  }
+  return matchScan(map, source, best.T_map_scan, options, threads);
+}
+
+}  // namespace scslam

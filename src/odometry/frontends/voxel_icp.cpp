@@ -1,0 +1,258 @@
+#include "scslam/odometry/frontends/voxel_icp.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scslam/core/deskew.h"
+#include "scslam/core/voxel_filter.h"
+
+namespace scslam {
+namespace {
+
+constexpr int kLevels = 3;
+constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
+constexpr int kLostBeforeRestart = 5;
+constexpr double kPoorShare = 0.7;  // of the usual inlier ratio
+constexpr double kLeastInliers = 0.1;
+
+std::size_t leastPoints(bool planar) { return planar ? 20 : 60; }
+
+}  // namespace
+
+VoxelIcp::VoxelIcp(const Params& params, const PluginContext& context) : params_(params), context_(context) {}
+
+OdometryStep VoxelIcp::step(const Scan& scan) {
+  OdometryStep out;
+  Prepared prepared;
+  prepared.cloud = inRange(scan);
+  if (prepared.cloud.size() < leastPoints(scan.planar)) {
+    lose(scan, fmt::format("only {} usable points", prepared.cloud.size()), out);
+    out.cloud = std::move(prepared.cloud);
+    return out;
+  }
+  const bool first = !map_.has_value();
+  if (first) startMap(scan, prepared);
+  thin(prepared.cloud, prepared.raw_map_points);
+  prepared.map_points = prepared.raw_map_points;
+
+  if (first) {
+    stamp_ = scan.stamp;
+    T_recorded_ = scan.T_odom_base;
+    map_->insert(prepared.map_points, T_odom_base_);
+    out.T_odom_base = T_odom_base_;
+    out.cloud = std::move(prepared.cloud);
+    return out;
+  }
+
+  const Fit fit = fitScan(prepared, scan, bestGuess(scan, prepared.raw_map_points));
+  MatchResult match = fit.match;
+  const Pose T_guess = T_odom_base_ * predictedStep(scan.stamp);
+  if (!moving_known_ || poor(match) || surprising(match, T_guess)) {
+    const MatchResult found = search(prepared.map_points, match.T_map_scan, poor(match));
+    if (found.meanScore() > match.meanScore()) {
+      const double turned = rotationAngle(match.T_map_scan.inverse() * found.T_map_scan);
+      if (moving_known_ && turned > 0.2) out.quality.note = "recovered by rotation search";
+      match = found;
+    }
+  }
+  if (fit.deskewed) deskew(prepared.cloud, fit.twist);
+  if (poor(match)) {
+    lose(scan,
+         fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})", match.inlierRatio(),
+                     usual_inliers_),
+         out);
+    if (lost_ == kLostBeforeRestart) {
+      map_ = emptyMap();
+      map_->insert(prepared.map_points, T_odom_base_);
+      usual_inliers_ = 0;
+      lost_ = 0;
+      out.quality.note += "; local map restarted";
+    }
+  } else {
+    accept(scan, match, out);
+    map_->insert(prepared.map_points, T_odom_base_);
+    map_->forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m, map_->level(0).size() / 16 + 64);
+  }
+  out.cloud = std::move(prepared.cloud);
+  return out;
+}
+
+// ---- the scan ----
+
+Cloud VoxelIcp::inRange(const Scan& scan) const {
+  const double least = params_.min_range_m > 0 ? params_.min_range_m : scan.planar ? 0.1 : 1.0;
+  const auto min2 = static_cast<float>(least * least);
+  const auto max2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
+  const Cloud& all = scan.cloud;
+  std::vector<std::uint8_t> keep(all.size());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const float range2 = all.x[i] * all.x[i] + all.y[i] * all.y[i] + all.z[i] * all.z[i];
+    keep[i] = range2 >= min2 && range2 <= max2;  // false for NaN
+    kept += keep[i];
+  }
+  Cloud cloud = all;
+  if (kept < all.size()) cloud.filter(keep);
+  if (!scan.T_base_sensor.matrix().isIdentity(0.0)) transformInPlace(cloud, scan.T_base_sensor);
+  return cloud;
+}
+
+void VoxelIcp::startMap(const Scan& scan, const Prepared& prepared) {
+  planar_ = scan.planar;
+  voxel_m_ = params_.voxel_m;
+  if (voxel_m_ <= 0) {
+    std::vector<float> range2(prepared.cloud.size());
+    for (std::size_t i = 0; i < range2.size(); ++i) range2[i] = prepared.cloud.point(i).squaredNorm();
+    const auto middle = range2.begin() + static_cast<std::ptrdiff_t>(range2.size() / 2);
+    std::nth_element(range2.begin(), middle, range2.end());
+    const double wanted = 0.05 * std::sqrt(static_cast<double>(*middle));
+    voxel_m_ = planar_ ? std::clamp(wanted, 0.15, 2.0) : std::clamp(wanted, 0.25, 0.5);
+  }
+  map_ = emptyMap();
+}
+
+SurfacePyramid VoxelIcp::emptyMap() const {
+  SurfelRules rules;
+  rules.planar = planar_;
+  return {voxel_m_, kLevels, rules};
+}
+
+void VoxelIcp::thin(const Cloud& cloud, Cloud& map_points) const {
+  map_points.clear();
+  if (cloud.size() <= kThinAbove) {
+    map_points = cloud;
+    return;
+  }
+  const std::vector<std::uint32_t> kept = firstPerVoxel(cloud, 0.4 * voxel_m_);
+  map_points = selected(cloud, kept);
+  if (!cloud.hasTime()) return;
+  map_points.dt.reserve(kept.size());
+  for (const std::uint32_t i : kept) map_points.dt.push_back(cloud.dt[i]);
+}
+
+// ---- the guess ----
+
+Pose VoxelIcp::predictedStep(Stamp stamp) const {
+  if (!moving_known_) return Pose::Identity();
+  const double now_s = secondsBetween(stamp_, stamp);
+  if (step_s_ <= 0 || now_s <= 0) return T_step_;
+  const double ratio = std::min(now_s / step_s_, 10.0);
+  return retract(Pose::Identity(), ratio * local(Pose::Identity(), T_step_));
+}
+
+Pose VoxelIcp::bestGuess(const Scan& scan, const Cloud& source) const {
+  std::vector<Pose> guesses = {T_odom_base_ * predictedStep(scan.stamp)};
+  if (params_.use_recorded_odometry && T_recorded_ && scan.T_odom_base) {
+    const Pose T_step = T_recorded_->inverse() * *scan.T_odom_base;
+    if (isRigid(T_step)) guesses.insert(guesses.begin(), T_odom_base_ * T_step);
+  }
+  if (moving_known_) guesses.push_back(T_odom_base_);
+  const Cloud few = thinned(source, 500);
+  // A later guess must be clearly better: scores of near guesses differ by noise.
+  std::size_t best = 0;
+  double best_score = 0;
+  for (std::size_t i = 0; i < guesses.size(); ++i) {
+    const double score = matchScore(*map_, 1, few, guesses[i], voxel_m_);
+    if (i == 0 || score > 1.1 * best_score) {
+      best = i;
+      best_score = score;
+    }
+  }
+  return guesses[best];
+}
+
+// ---- the fit ----
+
+MatchOptions VoxelIcp::matchOptions() const {
+  MatchOptions options;
+  options.levels = {0, kLevels - 1};
+  options.max_iterations = params_.max_iterations;
+  options.inlier_m = 0.3 * voxel_m_;
+  options.sigma_m = 0.06 * voxel_m_;
+  options.planar = planar_;
+  return options;
+}
+
+MatchResult VoxelIcp::matchWith(const Cloud& map_points, const Pose& T_odom_base_guess) const {
+  const Cloud source =
+      map_points.size() <= kThinAbove ? map_points : selected(map_points, firstPerVoxel(map_points, voxel_m_));
+  return matchScan(*map_, source, T_odom_base_guess, matchOptions(), context_.threads);
+}
+
+Vector6d VoxelIcp::twistOf(const Pose& T_previous_base, Stamp stamp) const {
+  const double duration_s = secondsBetween(stamp_, stamp);
+  if (duration_s <= 1e-4 || duration_s > 2.0) return Vector6d::Zero();
+  return local(Pose::Identity(), T_previous_base) / duration_s;
+}
+
+bool VoxelIcp::moreThanNoise(const Vector6d& twist, double sweep_s) const {
+  return sweep_s * twist.head<3>().norm() > 0.04 * voxel_m_ || sweep_s * twist.tail<3>().norm() > 2e-3;
+}
+
+VoxelIcp::Fit VoxelIcp::fitDeskewed(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess) const {
+  const double sweep_s = sweepDuration(prepared.raw_map_points);
+  Fit fit;
+  fit.deskewed = true;
+  Pose T_guess = T_odom_base_guess;
+  // The guessed velocity first; once more with the measured one when they differ (turns, starts, stops).
+  for (int round = 0; round < 2; ++round) {
+    const Vector6d twist = twistOf(T_odom_base_.inverse() * T_guess, scan.stamp);
+    if (round > 0 && !moreThanNoise(twist - fit.twist, sweep_s)) break;
+    fit.twist = twist;
+    prepared.map_points = prepared.raw_map_points;
+    deskew(prepared.map_points, twist);
+    fit.match = matchWith(prepared.map_points, T_guess);
+    T_guess = fit.match.T_map_scan;
+  }
+  return fit;
+}
+
+VoxelIcp::Fit VoxelIcp::fitScan(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess) {
+  const bool possible = params_.deskew != "off" && prepared.cloud.hasTime() && !scan.deskewed;
+  const Vector6d twist = twistOf(T_odom_base_.inverse() * T_odom_base_guess, scan.stamp);
+  if (!possible || (params_.deskew == "auto" && !moreThanNoise(twist, sweepDuration(prepared.raw_map_points)))) {
+    return {matchWith(prepared.map_points, T_odom_base_guess), Vector6d::Zero(), false};
+  }
+  if (params_.deskew == "on") return fitDeskewed(prepared, scan, T_odom_base_guess);
+
+  // auto: constant velocity over a sweep is a claim (and somebody may have compensated the cloud before us), so it is
+  // tested against the map, often at first, then now and then.
+  constexpr int kTrialsAtFirst = 10, kTrialEvery = 10;
+  const bool trial = deskew_trials_ < kTrialsAtFirst || deskew_trials_ % kTrialEvery == 0;
+  ++deskew_trials_;
+  if (!trial && deskew_evidence_ < 0)
+    return {matchWith(prepared.map_points, T_odom_base_guess), Vector6d::Zero(), false};
+  if (!trial) return fitDeskewed(prepared, scan, T_odom_base_guess);
+  const Fit plain{matchWith(prepared.raw_map_points, T_odom_base_guess), Vector6d::Zero(), false};
+  const Fit compensated = fitDeskewed(prepared, scan, T_odom_base_guess);
+  deskew_evidence_ = 0.9 * deskew_evidence_ + (compensated.match.meanScore() - plain.match.meanScore());
+  if (deskew_evidence_ >= 0) return compensated;
+  prepared.map_points = prepared.raw_map_points;
+  return plain;
+}
+
+bool VoxelIcp::poor(const MatchResult& match) const {
+  return match.system.matched < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers ||
+         match.inlierRatio() < kPoorShare * usual_inliers_;
+}
+
+bool VoxelIcp::surprising(const MatchResult& match, const Pose& T_odom_base_guess) const {
+  const Vector6d d = local(T_odom_base_guess, match.T_map_scan);
+  return d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
+}
+
+MatchResult VoxelIcp::search(const Cloud& source, const Pose& T_odom_base_guess, bool full_turn) const {
+  const double coarse_m = voxel_m_ * (1 << (kLevels - 1));
+  PoseGrid grid;
+  grid.yaw_range_rad = full_turn ? M_PI : 0.3;
+  grid.yaw_step_rad = 0.1;
+  grid.xy_range_m = 3.0 * coarse_m;
+  grid.xy_step_m = 0.6 * coarse_m;
+  const Cloud thinner = source.size() <= kThinAbove ? source : selected(source, firstPerVoxel(source, voxel_m_));
+  return searchAndMatch(*map_, thinner, T_odom_base_guess, grid, matchOptions(), context_.threads);
+}
+
+}  // namespace scslam
+
+SCSLAM_REGISTER(scslam::Odometry, scslam::VoxelIcp, "voxel_icp",
+                "scan-to-map point-to-plane ICP on voxel planes, recovers from turns by search")

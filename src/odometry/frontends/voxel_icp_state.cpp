@@ -1,0 +1,110 @@
+#include <algorithm>
+
+#include "scslam/odometry/frontends/voxel_icp.h"
+
+namespace scslam {
+
+void VoxelIcp::Params::describe(ParamVisitor& visitor) {
+  visitor.field("voxel_m", voxel_m, "finest map voxel [m]; 0: from the ranges of the first scan", 0.0, 10.0);
+  visitor.field("min_range_m", min_range_m, "nearer points are dropped [m]; 0: 1.0 (planar scans 0.1)", 0.0, 100.0);
+  visitor.field("max_range_m", max_range_m, "farther points are dropped [m]", 1.0, 1000.0);
+  visitor.field("deskew", deskew, "compensate motion within a sweep; auto: where it fits the map better",
+                {"auto", "on", "off"});
+  visitor.field("use_recorded_odometry", use_recorded_odometry,
+                "predict with the recording's own odometry where it fits better than constant velocity");
+  visitor.field("max_iterations", max_iterations, "Gauss-Newton iterations per scan", 1, 1000);
+}
+
+void VoxelIcp::accept(const Scan& scan, const MatchResult& match, OdometryStep& out) {
+  const double ratio = match.inlierRatio();
+  usual_inliers_ = usual_inliers_ == 0 ? ratio : 0.9 * usual_inliers_ + 0.1 * ratio;
+  lost_ = 0;
+  T_step_ = T_odom_base_.inverse() * match.T_map_scan;
+  step_s_ = secondsBetween(stamp_, scan.stamp);
+  moving_known_ = true;
+  T_odom_base_ = match.T_map_scan;
+  stamp_ = scan.stamp;
+  T_recorded_ = scan.T_odom_base;
+
+  out.T_odom_base = T_odom_base_;
+  out.covariance = stepCovariance(match.information, T_step_);
+  out.quality.inlier_ratio = ratio;
+  out.quality.rmse_m = match.rmse();
+  out.quality.iterations = match.iterations;
+  out.quality.degenerate_axes = match.degenerate_axes;
+}
+
+void VoxelIcp::lose(const Scan& scan, const std::string& why, OdometryStep& out) {
+  Pose T_previous_base = Pose::Identity();
+  if (map_) {
+    T_previous_base = predictedStep(scan.stamp);
+    T_odom_base_ = T_odom_base_ * T_previous_base;
+    stamp_ = scan.stamp;
+    T_recorded_ = scan.T_odom_base;
+    ++lost_;
+  }
+  out.T_odom_base = T_odom_base_;
+  out.covariance = stepCovariance(Matrix6d::Zero(), T_previous_base);
+  out.quality.ok = false;
+  out.quality.inlier_ratio = 0;
+  out.quality.degenerate_axes = scan.planar ? 3 : 6;
+  out.quality.note = why;
+}
+
+Matrix6d VoxelIcp::stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const {
+  // Directions without information keep what constant velocity is worth: half the motion itself.
+  const double sigma_m = 0.1 + 0.5 * T_previous_base.translation().norm();
+  const double sigma_rad = 0.05 + 0.5 * rotationAngle(T_previous_base);
+  Vector6d prior;
+  prior << Eigen::Vector3d::Constant(1 / (sigma_m * sigma_m)), Eigen::Vector3d::Constant(1 / (sigma_rad * sigma_rad));
+  constexpr double kFixed = 1e8;  // 0.1 mm, 0.1 mrad: what planar data does not move
+  if (planar_) prior(2) = prior(3) = prior(4) = kFixed;
+  Matrix6d total = information;
+  total.diagonal() += prior;
+  Matrix6d covariance = total.inverse();
+  covariance.diagonal().array() += 1e-8;
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+void VoxelIcp::save(ByteWriter& state) const {
+  state.put(voxel_m_);
+  state.put(planar_);
+  state.put(T_odom_base_);
+  state.put(T_step_);
+  state.put(step_s_);
+  state.put(moving_known_);
+  state.put(static_cast<std::int64_t>(stamp_.time_since_epoch().count()));
+  state.put(T_recorded_.has_value());
+  state.put(T_recorded_.value_or(Pose::Identity()));
+  state.put(usual_inliers_);
+  state.put(lost_);
+  state.put(deskew_evidence_);
+  state.put(deskew_trials_);
+  state.put(map_.has_value());
+  if (map_) map_->save(state);
+}
+
+void VoxelIcp::load(ByteReader& state) {
+  state.get(voxel_m_);
+  state.get(planar_);
+  state.get(T_odom_base_);
+  state.get(T_step_);
+  state.get(step_s_);
+  state.get(moving_known_);
+  stamp_ = Stamp(Stamp::duration(state.get<std::int64_t>()));
+  const bool recorded = state.get<bool>();
+  Pose T_recorded;
+  state.get(T_recorded);
+  T_recorded_ = recorded ? std::optional(T_recorded) : std::nullopt;
+  state.get(usual_inliers_);
+  state.get(lost_);
+  state.get(deskew_evidence_);
+  state.get(deskew_trials_);
+  map_.reset();
+  if (!state.get<bool>()) return;
+  if (!(voxel_m_ > 0)) throw inputError("voxel_icp: a saved map without a voxel size");
+  map_ = emptyMap();
+  map_->load(state);
+}
+
+}  // namespace scslam
