@@ -43,7 +43,8 @@ int run(const ExportFlags& flags, const GlobalOptions& global) {
   if (flags.voxel_m >= 0) options.voxel_m = flags.voxel_m;
   options.min_range_m = flags.min_range_m;
   options.max_range_m = flags.max_range_m;
-  const std::filesystem::path folder = flags.output.empty() ? session.folder() / "map" : flags.output;
+  const std::filesystem::path folder =
+      flags.output.empty() ? session.folder() / "map" : std::filesystem::path(flags.output);
   Progress progress("keyframes", session.keyframes().size(), global.quiet);
   const MapSummary summary = exportMap(session, flags.formats, options, folder, {threads, log},
                                        [&progress](std::size_t done) { progress.update(done); });
