@@ -171,14 +171,44 @@ std::uint16_t ringOf(double value) {
   return value >= 0 && value <= 65535 ? static_cast<std::uint16_t>(value) : std::uint16_t{65535};
 }
 
-/// `column(field)` gives a function from point number to value; the three encodings differ only in that.
+/// Column of numbers in binary records.
+struct BinaryColumn {
+  const char* first;
+  std::size_t step, size;
+  char type;
+
+  double operator()(std::size_t i) const { return valueAt(first + i * step, type, size); }
+  void copyTo(std::vector<float>& to) const {
+    if (type != 'F' || size != sizeof(float)) {
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] = static_cast<float>((*this)(i));
+      return;
+    }
+    const char* p = first;
+    for (float& value : to) {
+      std::memcpy(&value, p, sizeof value);
+      p += step;
+    }
+  }
+};
+
+/// Column of numbers already parsed.
+struct TextColumn {
+  const double* first;
+  std::size_t step;
+
+  double operator()(std::size_t i) const { return first[i * step]; }
+  void copyTo(std::vector<float>& to) const {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = static_cast<float>((*this)(i));
+  }
+};
+
+/// `column(field)` gives one of the above: the three encodings differ only in that.
 template <class Column>
 Cloud assemble(const Header& header, const Column& column) {
   Cloud cloud;
   const auto floats = [&](std::vector<float>& to, const Field& field) {
     to.resize(header.points);
-    const auto value = column(field);
-    for (std::size_t i = 0; i < header.points; ++i) to[i] = static_cast<float>(value(i));
+    column(field).copyTo(to);
   };
   floats(cloud.x, *header.find({"x"}));
   floats(cloud.y, *header.find({"y"}));
@@ -204,9 +234,7 @@ Cloud readBinary(const Header& header, std::string_view data, const std::string&
     throw inputError("{}: {} POINTS of {} bytes stated, but the file ends at byte {} after {} of them", file,
                      header.points, header.record, header.end + data.size(), data.size() / header.record);
   return assemble(header, [&](const Field& field) {
-    return [p = data.data() + field.offset, step = header.record, type = field.type, size = field.size](std::size_t i) {
-      return valueAt(p + i * step, type, size);
-    };
+    return BinaryColumn{data.data() + field.offset, header.record, field.size, field.type};
   });
 }
 
@@ -225,9 +253,7 @@ Cloud readCompressed(const Header& header, std::string_view data, const std::str
   if (!lzfDecompress(data.substr(8, packed_size), size, unpacked))
     throw inputError("{}: the compressed data from byte {} on are damaged", file, header.end + 8);
   return assemble(header, [&](const Field& field) {  // field after field, not point after point
-    return [p = unpacked.data() + field.offset * header.points, type = field.type, size_ = field.size](std::size_t i) {
-      return valueAt(p + i * size_, type, size_);
-    };
+    return BinaryColumn{unpacked.data() + field.offset * header.points, field.size, field.size, field.type};
   });
 }
 
@@ -254,7 +280,7 @@ Cloud readAscii(const Header& header, std::string_view data, const std::string& 
     ++points;
   }
   return assemble(header, [&](const Field& field) {
-    return [&values, step = header.elements, at = field.element](std::size_t i) { return values[i * step + at]; };
+    return TextColumn{values.data() + field.element, header.elements};
   });
 }
 

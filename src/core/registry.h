@@ -80,7 +80,7 @@ class Registry {
 /// Plug-in `Class` has `struct Params : ParamSetOf<Params>` and a constructor (const Params&, const PluginContext&).
 #define SCSLAM_REGISTER(Interface, Class, Name, Summary)                                                              \
   namespace {                                                                                                         \
-  const bool registered_##Class = [] {                                                                                \
+  const bool SCSLAM_JOINED(registered_at_line_, __LINE__) = [] {                                                      \
     ::scslam::Registry<Interface>::instance().add(                                                                    \
         {Name, Summary, [] { return std::make_unique<Class::Params>(); },                                             \
          [](const ::scslam::ParamSet& params, const ::scslam::PluginContext& context) -> std::unique_ptr<Interface> { \
@@ -89,5 +89,7 @@ class Registry {
     return true;                                                                                                      \
   }();                                                                                                                \
   }
+#define SCSLAM_JOINED(a, b) SCSLAM_JOINED_(a, b)
+#define SCSLAM_JOINED_(a, b) a##b
 
 }  // namespace scslam

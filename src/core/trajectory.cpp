@@ -107,6 +107,12 @@ Trajectory readTrajectory(const std::filesystem::path& file) {
   return result;
 }
 
+Trajectory inBaseFrame(Trajectory trajectory, const Pose& T_base_reference) {
+  const Pose T_reference_base = T_base_reference.inverse();
+  for (StampedPose& pose : trajectory.poses) pose.T = pose.T * T_reference_base;
+  return trajectory;
+}
+
 std::string formatTum(const std::vector<StampedPose>& poses) {
   std::string text;
   for (const auto& [stamp, T] : poses) {

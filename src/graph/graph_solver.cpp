@@ -1,6 +1,8 @@
 #include "scslam/graph/graph_solver.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scslam/graph/block_cholesky.h"
 #include "scslam/graph/factor_error.h"
@@ -108,6 +110,13 @@ void applyStep(const GraphStructure& structure, const std::vector<double>& step,
   }
 }
 
+/// What further steps would gain if the gains go on to shrink by the ratio of the last two (never more slowly than they
+/// do near a minimum): saves the last step, which only confirms convergence.
+double remainingDecrease(double gained, double gained_before) {
+  const double ratio = gained / gained_before;
+  return gained_before > 0 && ratio < 0.1 ? gained * ratio / (1 - ratio) : std::numeric_limits<double>::infinity();
+}
+
 template <int B>
 MinimiseResult run(PoseGraph& graph, const GraphStructure& structure, const Weighting& weighting,
                    const MinimiseOptions& options) {
@@ -117,7 +126,7 @@ MinimiseResult run(PoseGraph& graph, const GraphStructure& structure, const Weig
   result.cost = equations.linearise(graph, structure, weighting);
   std::vector<Pose> before = graph.poses;
   std::vector<double> step;
-  double damping = 0;
+  double damping = 0, gained_before = 0;
   while (!result.converged && result.iterations < options.max_iterations && damping <= kMaxDamping) {
     ++result.iterations;
     if (!cholesky.factor(equations.blocks, damping)) {
@@ -138,7 +147,9 @@ MinimiseResult run(PoseGraph& graph, const GraphStructure& structure, const Weig
     }
     const double gained = result.cost - cost;
     result.cost = cost;
-    result.converged = std::max(promised, gained) <= options.relative_decrease * cost + options.negligible;
+    const double enough = options.relative_decrease * cost + options.negligible;
+    result.converged = std::max(promised, gained) <= enough || remainingDecrease(gained, gained_before) <= enough;
+    gained_before = gained;
     if (gained < 0.25 * promised) damping = std::max(4 * damping, kMinDamping);
     if (gained > 0.75 * promised) damping = damping > kMinDamping ? damping / 10 : 0;
     before = graph.poses;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scslam/core/error.h"
 #include "scslam/core/suggest.h"
@@ -26,10 +27,10 @@ void checkChoice(const char* key, const std::string& value, const std::vector<st
     throw usageError("optimiser: {} '{}' is unknown{}", key, value, didYouMean(value, choices));
 }
 
-KernelKind kernelOf(const std::string& robust) {
-  if (robust == "huber") return KernelKind::kHuber;
-  if (robust == "dcs") return KernelKind::kDcs;
-  return robust == "none" ? KernelKind::kNone : KernelKind::kCauchy;  // GNC polishes what Cauchy found
+/// The first stage. DCS and GNC go on from what Cauchy found: from the odometry alone DCS never leaves it.
+KernelKind firstKernelOf(const std::string& robust) {
+  if (robust == "none") return KernelKind::kNone;
+  return robust == "huber" ? KernelKind::kHuber : KernelKind::kCauchy;
 }
 
 /// One optimisation from start to end; the stages share the graph's structure.
@@ -119,8 +120,12 @@ void Optimisation::descend(const Weighting& weighting) {
 }
 
 void Optimisation::descendRobustly() {
-  const Weighting weighting{RobustKernel(kernelOf(params_.robust), gate_), {}};
+  Weighting weighting{RobustKernel(firstKernelOf(params_.robust), gate_), {}};
   descend(weighting);
+  if (params_.robust == "dcs") {
+    weighting.kernel = RobustKernel(KernelKind::kDcs, gate_);
+    descend(weighting);
+  }
   summary_.weights.assign(graph_.factors.size(), 1.0);
   for (std::size_t f = 0; f < graph_.factors.size(); ++f)
     if (graph_.factors[f].kind == FactorKind::kLoop)
@@ -158,7 +163,7 @@ void Optimisation::graduate() {
 void OptimiserParams::describe(ParamVisitor& v) {
   v.field("init", init, "start: auto takes the lowest cost of file, spanning (tree) and chordal", kInits);
   v.field("robust", robust, "kernel on loop factors", kRobusts);
-  v.field("gate_chi2", gate_chi2, "r' L r at which a loop has weight 1/2; 0 = 99.9 % quantile (6 or 3 dof)", 0, 1e9);
+  v.field("gate_chi2", gate_chi2, "r' L r at which a loop has weight 1/2; 0 = 99 % quantile (6 or 3 dof)", 0, 1e9);
   v.field("max_iterations", max_iterations, "linear systems solved at most, per stage", 1, 100000);
   v.field("relative_decrease", relative_decrease, "stop when a step promises less than this share of the cost", 0, 1);
   v.field("solver", solver, "auto = own block-sparse Gauss-Newton, Ceres where that stalls; ceres = Ceres alone",

@@ -38,6 +38,6 @@ double truncatedWeight(double s, double gate, double mu) {
   return std::sqrt(gate * mu * (mu + 1) / s) - mu;
 }
 
-double defaultGate(bool planar) { return planar ? 16.266 : 22.458; }
+double defaultGate(bool planar) { return planar ? 11.345 : 16.812; }
 
 }  // namespace scslam

@@ -28,7 +28,7 @@ class RobustKernel {
 /// inconsistent ones, a slope between that becomes a step as mu grows.
 double truncatedWeight(double s, double gate, double mu);
 
-/// 99.9 % quantile of the chi-square distribution for 6 (SE(3)) or 3 (SE(2)) degrees of freedom.
+/// 99 % quantile of the chi-square distribution for 6 (SE(3)) or 3 (SE(2)) degrees of freedom.
 double defaultGate(bool planar);
 
 }  // namespace scslam

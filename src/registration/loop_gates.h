@@ -8,9 +8,9 @@
 namespace scslam {
 
 struct LoopGateParams : ParamSetOf<LoopGateParams> {
-  double min_inlier_ratio = 0.6;
-  double min_overlap = 0.5;
-  double max_rmse_m = 0.25;
+  double min_inlier_ratio = 0.9;
+  double min_overlap = 0.75;
+  double max_rmse_m = 0.1;
   int max_degenerate_axes = 2;
   double odometry_sigma_per_m = 0.05;  ///< trust in odometry for the plausibility gate
   double odometry_sigma_deg_per_m = 0.3;

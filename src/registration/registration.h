@@ -11,7 +11,7 @@ struct RegistrationResult {
                                         ///< residual variance divided out
   bool converged = false;
   int iterations = 0;
-  double inlier_ratio = 0;  ///< share of source points that found a surface of the target within the final gate
+  double inlier_ratio = 0;  ///< of the source points that found a surface of the target, the share that lies on it
   double overlap = 0;       ///< share of source points (within the target's extent) that lie in occupied target space
   double rmse_m = 0;        ///< of the inliers, along the surface normal
   int degenerate_axes = 0;  ///< directions the overlap does not fix

@@ -13,8 +13,9 @@ std::size_t bytesOf(const Cloud& cloud) {
 
 }  // namespace
 
-CloudStore::CloudStore(std::filesystem::path folder, std::size_t budget_bytes)
-    : folder_(std::move(folder)), budget_bytes_(budget_bytes) {}
+CloudStore::CloudStore(std::filesystem::path folder, std::size_t budget_bytes,
+                       std::function<Cloud(const Cloud&)> prepare)
+    : folder_(std::move(folder)), prepare_(std::move(prepare)), budget_bytes_(budget_bytes) {}
 
 std::shared_ptr<const Cloud> CloudStore::get(KeyframeId k) {
   {
@@ -24,7 +25,8 @@ std::shared_ptr<const Cloud> CloudStore::get(KeyframeId k) {
       return found->second->cloud;
     }
   }
-  const auto cloud = std::make_shared<const Cloud>(readPcd(layout::scanFile(folder_, k)));
+  Cloud read = readPcd(layout::scanFile(folder_, k));
+  const auto cloud = std::make_shared<const Cloud>(prepare_ ? prepare_(read) : std::move(read));
   const std::lock_guard lock(mutex_);
   ++reads_;
   if (where_.count(k) != 0) return cloud;  // another thread was faster

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -17,9 +18,10 @@ namespace scslam {
 class CloudStore {
  public:
   /// @param budget_bytes of clouds kept when nobody else holds them; the newest one is kept in any case.
-  CloudStore(std::filesystem::path folder, std::size_t budget_bytes);
+  /// @param prepare made of each file's cloud (frame sensor; x y z intensity) before it is kept; nothing when empty.
+  CloudStore(std::filesystem::path folder, std::size_t budget_bytes, std::function<Cloud(const Cloud&)> prepare = {});
 
-  /// Cloud of keyframe k, frame sensor; x y z intensity. @throw inputError when its file is missing or damaged.
+  /// Cloud of keyframe k, prepared. @throw inputError when its file is missing or damaged.
   std::shared_ptr<const Cloud> get(KeyframeId k);
 
   std::size_t cachedBytes() const;
@@ -32,6 +34,7 @@ class CloudStore {
     std::size_t bytes;
   };
   std::filesystem::path folder_;
+  std::function<Cloud(const Cloud&)> prepare_;
   std::size_t budget_bytes_, cached_bytes_ = 0, reads_ = 0;
   std::list<Entry> entries_;  ///< most recently used first
   std::map<KeyframeId, std::list<Entry>::iterator> where_;

@@ -52,7 +52,7 @@ class FolderWriter final : public SessionWriter {
   void setPoses(const std::vector<Pose>& T_map_base) override;
   void logLine(const std::string& line) override { log_.append(line + "\n"); }
   void checkpoint(const std::string& pipeline_state) override;
-  void finish(const PoseGraph& graph, bool complete) override;
+  void finish(const PoseGraph& graph, SessionEnd end) override;
   void writeMetrics(const std::string& json) override { writeFileAtomically(folder_ / layout::kMetrics, json); }
   const fs::path& folder() const override { return folder_; }
 
@@ -137,7 +137,7 @@ void FolderWriter::checkpoint(const std::string& pipeline_state) {
   refreshTexts();
 }
 
-void FolderWriter::finish(const PoseGraph& graph, bool complete) {
+void FolderWriter::finish(const PoseGraph& graph, SessionEnd end) {
   const auto same = [](const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); };
   if (graph.poses.size() != contents_.keyframes.size())
     throw Error(ExitCode::kBug,
@@ -150,8 +150,8 @@ void FolderWriter::finish(const PoseGraph& graph, bool complete) {
   syncScans();
   journal_.sync();
   log_.sync();
-  writeTextFiles(folder_, info_, contents_, graph, complete);
-  if (complete) fs::remove(folder_ / layout::kCheckpoint);
+  writeTextFiles(folder_, info_, contents_, graph, true);
+  if (end != SessionEnd::kStopped) fs::remove(folder_ / layout::kCheckpoint);
 }
 
 /// The first line in which two configurations differ, for the message.
@@ -167,7 +167,7 @@ std::string difference(const std::string& before, const std::string& now) {
 
 void checkSameRun(const fs::path& folder, const Manifest& manifest, const SessionInfo& info) {
   const std::string hint = "resume it with what it was begun with, or replace it with -w";
-  if (manifest.complete)
+  if (manifest.complete && !fs::exists(folder / layout::kCheckpoint))
     throw usageError("{} is complete, there is nothing to resume; -w replaces it", folder.string());
   if (manifest.info.input_digest != info.input_digest || manifest.info.input_format != info.input_format)
     throw usageError("{} was made from another input ({}); {}", folder.string(), manifest.info.input, hint);
@@ -224,8 +224,10 @@ std::unique_ptr<SessionWriter> SessionWriter::resume(const fs::path& folder, con
     for (const Keyframe& keyframe : contents.keyframes)
       recovered.descriptors.push_back(layout::readDescriptor(layout::descriptorFile(folder, keyframe.id)));
   }
-  removeFilesBeyond(folder, contents.keyframes.size());
+  // Open again before anything is cut: killed from here on, it must not pass for a complete one.
+  writeFileAtomically(folder / layout::kManifest, manifestText(same, contents, false));
   writeFileAtomically(folder / layout::kConfig, info.config_yaml);
+  removeFilesBeyond(folder, contents.keyframes.size());
   return std::make_unique<FolderWriter>(folder, std::move(lock), same, std::move(contents),
                                         checkpoint ? checkpoint->log_bytes : 0);
 }

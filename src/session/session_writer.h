@@ -34,6 +34,12 @@ struct RecoveredSession {
   std::string pipeline_state;  ///< the blob given to checkpoint(); empty: no checkpoint yet, start from the beginning
 };
 
+enum class SessionEnd {
+  kDone,        ///< all of the input is in it
+  kEndedEarly,  ///< all that the damaged input gave
+  kStopped,     ///< by the user: whole as it is, and --resume can go on from its last checkpoint
+};
+
 class SessionWriter {
  public:
   /// Starts a new session in `folder`.
@@ -43,7 +49,7 @@ class SessionWriter {
   /// be written.
   static std::unique_ptr<SessionWriter> create(const std::filesystem::path& folder, const SessionInfo& info,
                                                bool overwrite);
-  /// Opens a session that was not completed, cuts everything after its last checkpoint off, and returns what stands.
+  /// Opens a session that was stopped or killed, cuts everything after its last checkpoint off, and returns what stands.
   /// @throw usageError when there is none, it is complete, or it was made from another input or configuration.
   static std::unique_ptr<SessionWriter> resume(const std::filesystem::path& folder, const SessionInfo& info,
                                                RecoveredSession& recovered);
@@ -61,10 +67,9 @@ class SessionWriter {
   virtual void logLine(const std::string& line) = 0;
   /// From here a killed run goes on. Replaces checkpoint.bin atomically and brings the text files up to date.
   virtual void checkpoint(const std::string& pipeline_state) = 0;
-  /// Brings all files up to date. complete: state: complete, and checkpoint.bin is removed; otherwise the session stays
-  /// resumable.
+  /// Brings all files up to date, state: complete; checkpoint.bin stays only where the user stopped the run.
   /// @param graph the final graph, nodes = keyframes, factors = odometry and accepted loops.
-  virtual void finish(const PoseGraph& graph, bool complete) = 0;
+  virtual void finish(const PoseGraph& graph, SessionEnd end) = 0;
   virtual void writeMetrics(const std::string& json) = 0;
   virtual const std::filesystem::path& folder() const = 0;
 };

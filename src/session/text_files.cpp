@@ -18,22 +18,25 @@ std::string manifestText(const SessionInfo& info, const JournalContents& content
   return formatManifest(manifest);
 }
 
-void writeTextFiles(const std::filesystem::path& folder, const SessionInfo& info, const JournalContents& contents,
-                    const PoseGraph& graph, bool complete) {
+std::vector<std::pair<std::string, std::string>> textFiles(const SessionInfo& info, const JournalContents& contents) {
   const auto& keyframes = contents.keyframes;
   std::vector<Pose> T_map_sensor, T_odom_sensor;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     T_map_sensor.push_back(contents.T_map_base[k] * info.T_base_sensor);
     T_odom_sensor.push_back(keyframes[k].T_odom_base * info.T_base_sensor);
   }
-  writeFileAtomically(folder / layout::kOptimisedPoses, formatKitti(T_map_sensor));
-  writeFileAtomically(folder / layout::kOdometryPoses, formatKitti(T_odom_sensor));
-  writeFileAtomically(folder / layout::kTimes, layout::formatTimes(keyframes));
+  return {{layout::kOptimisedPoses, formatKitti(T_map_sensor)},
+          {layout::kOdometryPoses, formatKitti(T_odom_sensor)},
+          {layout::kTimes, layout::formatTimes(keyframes)},
+          {layout::kTrajectory, formatTum(correctedTrajectory(contents.scans, keyframes, contents.T_map_base))},
+          {layout::kOdometry, formatTum(odometryTrajectory(contents.scans))},
+          {layout::kLoops, layout::formatLoops(contents.loops)}};
+}
+
+void writeTextFiles(const std::filesystem::path& folder, const SessionInfo& info, const JournalContents& contents,
+                    const PoseGraph& graph, bool complete) {
+  for (const auto& [name, text] : textFiles(info, contents)) writeFileAtomically(folder / name, text);
   writeFileAtomically(folder / layout::kPoseGraph, formatG2o(graphOfSensor(graph, info.T_base_sensor)));
-  writeFileAtomically(folder / layout::kTrajectory,
-                      formatTum(correctedTrajectory(contents.scans, keyframes, contents.T_map_base)));
-  writeFileAtomically(folder / layout::kOdometry, formatTum(odometryTrajectory(contents.scans)));
-  writeFileAtomically(folder / layout::kLoops, layout::formatLoops(contents.loops));
   writeFileAtomically(folder / layout::kManifest, manifestText(info, contents, complete));
 }
 

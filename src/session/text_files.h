@@ -12,6 +12,10 @@ namespace scslam {
 void writeTextFiles(const std::filesystem::path& folder, const SessionInfo& info, const JournalContents& contents,
                     const PoseGraph& graph, bool complete);
 
+/// Name and content of each text file that the records alone decide; not the graph and the manifest, which know more
+/// (factors the graph left out at the end; the state).
+std::vector<std::pair<std::string, std::string>> textFiles(const SessionInfo& info, const JournalContents& contents);
+
 /// The manifest's text for these records.
 std::string manifestText(const SessionInfo& info, const JournalContents& contents, bool complete);
 

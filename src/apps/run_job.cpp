@@ -1,0 +1,187 @@
+#include "scslam/apps/run_job.h"
+
+#include <dlfcn.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "scslam/apps/input_digest.h"
+#include "scslam/core/embedded_configs.h"
+#include "scslam/core/file.h"
+#include "scslam/core/log.h"
+#include "scslam/core/parallel.h"
+#include "scslam/core/progress.h"
+#include "scslam/pipeline/prefetch.h"
+
+namespace scslam {
+namespace {
+
+SensorModel loadSensor(const std::string& name_or_file) {
+  SensorModel sensor;
+  if (std::filesystem::is_regular_file(name_or_file)) {
+    loadYaml(sensor, readFile(name_or_file, 1 << 20), name_or_file);
+    return sensor;
+  }
+  std::vector<std::string> shipped;
+  for (const auto& [name, text] : embeddedConfigs())
+    if (name.starts_with("sensors/")) shipped.push_back(name.substr(8));
+  const auto found = embeddedConfigs().find("sensors/" + name_or_file);
+  if (found == embeddedConfigs().end())
+    throw usageError("no sensor table is called '{}'{}", name_or_file, didYouMean(name_or_file, shipped));
+  loadYaml(sensor, found->second, "sensors/" + name_or_file + ".yaml");
+  return sensor;
+}
+
+/// Defaults, then the profile that fits the data, then files, then --set.
+SlamParams resolveParams(const RunOptions& options, bool planar, mrpt::system::COutputLogger& log) {
+  SlamParams params;
+  if (planar) {
+    loadConfig(params, "laser2d");
+    logInfo(log, "configuration: laser2d (the scans are planar)");
+  }
+  for (const auto& config : options.configs) loadConfig(params, config);
+  for (const auto& assignment : options.sets) setParam(params, assignment);
+  return params;
+}
+
+SessionInfo describeSession(const RunOptions& options, const std::string& format, const SlamParams& params,
+                            const Scan& first) {
+  SessionInfo info;
+  info.input = options.input;
+  info.input_format = format;
+  info.input_digest = inputDigest(options.input, options.skip);
+  info.config_yaml = dumpYaml(params);
+  info.odometry = params.odometry.frontend.name;
+  info.recogniser = params.place.recogniser.name;
+  info.registration = params.registration.method.name;
+  info.sensor_label = first.label;
+  info.T_base_sensor = first.T_base_sensor;
+  info.planar = first.planar;
+  return info;
+}
+
+double percentile(std::vector<float> values, double share) {
+  if (values.empty()) return 0;
+  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
+  return values[k];
+}
+
+double peakRssMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+std::string metricsJson(const RunSummary& s, int threads) {
+  nlohmann::ordered_json json = {{"scans", s.counts.scans},
+                                 {"keyframes", s.counts.keyframes},
+                                 {"loop_candidates", s.counts.candidates},
+                                 {"loops_accepted", s.counts.loops},
+                                 {"empty_scans", s.counts.empty_scans},
+                                 {"late_scans", s.counts.late_scans},
+                                 {"lost_scans", s.counts.lost_scans},
+                                 {"input_duration_s", s.input_duration_s},
+                                 {"wall_s", s.wall_s},
+                                 {"realtime_factor", s.wall_s > 0 ? s.input_duration_s / s.wall_s : 0},
+                                 {"ms_per_scan", {{"median", s.ms_per_scan_median}, {"p95", s.ms_per_scan_p95}}}};
+  for (std::size_t i = 0; i < kStageNames.size(); ++i) json["stages_ms"][kStageNames[i]] = s.times.total_ms[i];
+  json["peak_rss_mb"] = s.peak_rss_mb;
+  json["threads"] = threads;
+  json["ended"] = s.end == SessionEnd::kDone ? "done" : s.end == SessionEnd::kStopped ? "stopped" : "input ended early";
+  return json.dump(2) + "\n";
+}
+
+/// Runs scans through the pipeline until the source, the user or damage ends it.
+void drive(Slam& slam, ScanSource& source, std::optional<Scan> first, std::size_t taken, const RunOptions& options,
+           RunSummary& summary) {
+  std::optional<std::size_t> total = source.size();
+  if (total) total = *total - std::min(*total, options.skip);
+  if (options.max) total = total ? std::min(*total, *options.max) : *options.max;
+  Progress progress("mapping", total, options.quiet);
+  std::optional<Stamp> begin, end;
+  try {
+    std::optional<Prefetcher> ahead;
+    while (!options.max || taken < *options.max) {
+      if (options.stop != nullptr && *options.stop) {
+        summary.end = SessionEnd::kStopped;
+        break;
+      }
+      if (!first) {
+        if (!ahead) ahead.emplace(source);
+        first = ahead->next();
+        if (!first) break;
+      }
+      if (!begin) begin = first->stamp;
+      end = first->stamp;
+      slam.process(std::move(*first));
+      first.reset();
+      progress.update(++taken);
+    }
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::kInput || slam.counts().scans == 0) throw;
+    summary.end = SessionEnd::kEndedEarly;
+    summary.end_reason = error.what();
+  }
+  if (begin) summary.input_duration_s = secondsBetween(*begin, *end);
+}
+
+}  // namespace
+
+void loadPlugin(const std::string& library) {
+  if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) == nullptr)
+    throw usageError("--plugin {}: {}", library, dlerror());
+}
+
+RunSummary runJob(const RunOptions& options, const PluginContext& context) {
+  OpenOptions open;
+  open.label = options.label;
+  if (!options.sensor.empty()) open.sensor = loadSensor(options.sensor);
+  const OpenedSource opened = openSource(options.input, context, open);
+  logInfo(context.log, "input: {} ({}): {}", opened.format, opened.why, opened.source->description());
+  return runJob(options, context, *opened.source, opened.format);
+}
+
+RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanSource& source,
+                  const std::string& format) {
+  const auto start = std::chrono::steady_clock::now();
+  const SlamParams params = resolveParams(options, source.planar(), context.log);
+  if (options.skip > 0) source.skip(options.skip);
+  std::optional<Scan> first = source.next();
+  if (!first) throw inputError("{} holds no scans{}", options.input, options.skip > 0 ? " after those skipped" : "");
+
+  const SessionInfo info = describeSession(options, format, params, *first);
+  RecoveredSession recovered;
+  const auto session = options.resume ? SessionWriter::resume(options.output, info, recovered)
+                                      : SessionWriter::create(options.output, info, options.overwrite);
+  Slam slam(params, context, *session, info.T_base_sensor);
+  std::optional<std::size_t> count = source.size();
+  if (count) count = *count - std::min(*count, options.skip);
+  slam.begin(count, source.T_base_reference());
+  const std::size_t taken = slam.resume(std::move(recovered));
+  if (taken > 0) {
+    logInfo(context.log, "going on after scan {} ({} keyframes)", taken, slam.counts().keyframes);
+    source.skip(taken - 1);
+    first.reset();
+  }
+
+  RunSummary summary;
+  drive(slam, source, std::move(first), taken, options, summary);
+  if (summary.end == SessionEnd::kStopped) slam.checkpoint();
+  slam.finish(summary.end);
+  summary.counts = slam.counts();
+  summary.times = slam.times();
+  summary.session = options.output;
+  summary.ground_truth = source.groundTruth();
+  summary.T_base_reference = source.T_base_reference();
+  summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.peak_rss_mb = peakRssMb();
+  summary.ms_per_scan_median = percentile(summary.times.scan_ms, 0.5);
+  summary.ms_per_scan_p95 = percentile(summary.times.scan_ms, 0.95);
+  summary.metrics_json = metricsJson(summary, context.threads.size());
+  session->writeMetrics(summary.metrics_json);
+  return summary;
+}
+
+}  // namespace scslam

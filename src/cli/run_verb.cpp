@@ -1,0 +1,148 @@
+#include <csignal>
+#include <thread>
+
+#include "scslam/apps/evaluate.h"
+#include "scslam/apps/run_job.h"
+#include "scslam/core/file.h"
+#include "scslam/core/log.h"
+#include "scslam/core/parallel.h"
+#include "scslam/view/trajectory_svg.h"
+#include "verb.h"
+
+namespace scslam::cli {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+
+void requestStop(int) {
+  stop_requested = true;
+  std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C ends at once; the session stays resumable
+}
+
+struct RunFlags {
+  RunOptions job;
+  std::string odometry, poses, ground_truth, output;
+  std::size_t max = 0;
+  int threads = 0;
+  bool json = false;
+  std::vector<std::string> plugins;
+};
+
+std::string lowerStem(const std::string& input) {
+  std::filesystem::path path(input);
+  if (path.filename().empty()) path = path.parent_path();
+  return path.stem().string();
+}
+
+int exitCode(const RunSummary& summary) {
+  switch (summary.end) {
+    case SessionEnd::kStopped:
+      return static_cast<int>(ExitCode::kStopped);
+    case SessionEnd::kEndedEarly:
+      return static_cast<int>(ExitCode::kEndedEarly);
+    case SessionEnd::kDone:
+      break;
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
+void printTable(const RunSummary& s, const std::optional<Evaluation>& evaluation) {
+  const auto row = [](const char* name, const std::string& value) { fmt::print("  {:<22} {}\n", name, value); };
+  fmt::print("\n");
+  row("scans", fmt::format("{} ({:.1f} s of recording)", s.counts.scans, s.input_duration_s));
+  if (s.counts.empty_scans + s.counts.late_scans + s.counts.lost_scans > 0)
+    row("of these", fmt::format("{} without points, {} left out for their time (in addition), {} without odometry",
+                                s.counts.empty_scans, s.counts.late_scans, s.counts.lost_scans));
+  row("keyframes", std::to_string(s.counts.keyframes));
+  row("loops", fmt::format("{} accepted of {} candidates (loops.csv says why)", s.counts.loops, s.counts.candidates));
+  row("time", fmt::format("{:.1f} s, {:.1f} x real time; {:.1f} ms a scan (95 %: {:.1f} ms)", s.wall_s,
+                          s.wall_s > 0 ? s.input_duration_s / s.wall_s : 0, s.ms_per_scan_median, s.ms_per_scan_p95));
+  row("memory", fmt::format("{:.0f} MB at most", s.peak_rss_mb));
+  if (evaluation) {
+    row("odometry ATE", fmt::format("{:.3f} m (before)", evaluation->odometry_ate.rmse_m));
+    row("map ATE", fmt::format("{:.3f} m (after)", evaluation->ate.rmse_m));
+  }
+}
+
+int run(RunFlags flags, const GlobalOptions& global) {
+  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
+  for (const auto& plugin : flags.plugins) loadPlugin(plugin);
+  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  const PluginContext context{threads, log};
+
+  RunOptions& job = flags.job;
+  job.output = flags.output.empty() ? lowerStem(job.input) + ".session" : flags.output;
+  job.quiet = global.quiet;
+  if (flags.max > 0) job.max = flags.max;
+  std::vector<std::string> sets;
+  if (!flags.odometry.empty()) sets.push_back("odometry.frontend=" + flags.odometry);
+  if (!flags.poses.empty()) {
+    if (flags.odometry.empty()) sets.emplace_back("odometry.frontend=poses");
+    sets.push_back("odometry.poses.file=\"" + flags.poses + "\"");
+  }
+  job.sets.insert(job.sets.begin(), sets.begin(), sets.end());
+  std::optional<Trajectory> ground_truth;
+  if (!flags.ground_truth.empty()) ground_truth = readTrajectory(flags.ground_truth);
+  job.stop = &stop_requested;
+  std::signal(SIGINT, requestStop);
+  std::signal(SIGTERM, requestStop);
+
+  const RunSummary summary = runJob(job, context);
+  if (ground_truth)
+    ground_truth = inBaseFrame(*ground_truth, summary.T_base_reference);
+  else
+    ground_truth = summary.ground_truth;
+  const Session session = Session::open(summary.session);
+  std::optional<Evaluation> evaluation;
+  if (ground_truth) {
+    try {
+      evaluation = evaluate(session, *ground_truth);
+    } catch (const Error& error) {
+      logWarn(log, "no accuracy figures: {}", error.what());
+    }
+  }
+  const auto picture = summary.session / "trajectory.svg";
+  writeFileAtomically(picture, trajectorySvg(session, ground_truth));
+  if (summary.end == SessionEnd::kEndedEarly)
+    logWarn(log, "the input ended early: {}; everything before it is kept", summary.end_reason);
+  if (summary.end == SessionEnd::kStopped) logWarn(log, "stopped; the session is complete up to here, --resume goes on");
+  if (flags.json) {
+    fmt::print("{}", summary.metrics_json);
+  } else {
+    printTable(summary, evaluation);
+    fmt::print("picture: {}\nsession: {}  (map: scslam export {} --format ply)\n", picture.string(),
+               summary.session.string(), summary.session.string());
+  }
+  return exitCode(summary);
+}
+
+}  // namespace
+
+Verb runVerb() {
+  return {
+      "run", "input -> session: odometry, places, loops, graph", [](CLI::App& app) {
+        auto flags = std::make_shared<RunFlags>();
+        app.add_option("INPUT", flags->job.input, "rawlog, KITTI / MulRan / PCD-PLY-BIN-XYZ folder, or session")
+            ->required();
+        app.add_option("-c,--config", flags->job.configs, "configuration: file or shipped name (scslam list configs)");
+        app.add_option("--set", flags->job.sets, "one parameter: section.key=value (scslam config dump shows all)");
+        app.add_option("-o,--output", flags->output, "session folder (default: INPUT's name + .session, here)");
+        app.add_option("--odometry", flags->odometry, "front-end (scslam list odometry)");
+        app.add_option("--poses", flags->poses, "external odometry: TUM or KITTI file beside the scans");
+        app.add_option("--gt", flags->ground_truth, "true trajectory (TUM or KITTI) for the figures before / after");
+        app.add_option("--sensor", flags->job.sensor, "sensor table: file or shipped name (scslam list sensors)");
+        app.add_option("--label", flags->job.label, "take the scans of this sensor label");
+        app.add_option("--skip", flags->job.skip, "leave out the first N scans");
+        app.add_option("--max", flags->max, "take at most N scans");
+        app.add_option("--threads", flags->threads,
+                       "threads (default: all cores); the result is the same for any number");
+        app.add_flag("--resume", flags->job.resume, "go on with a session that was stopped or killed");
+        app.add_flag("-w,--overwrite", flags->job.overwrite, "replace an existing session");
+        app.add_option("--plugin", flags->plugins, "load a library with front-ends, readers, … of your own");
+        app.add_flag("--json", flags->json, "print metrics.json on stdout and nothing else");
+        return [flags](const GlobalOptions& global) { return run(*flags, global); };
+      }};
+}
+
+}  // namespace scslam::cli

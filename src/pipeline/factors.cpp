@@ -1,0 +1,44 @@
+#include "scslam/pipeline/factors.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+namespace scslam {
+namespace {
+
+Matrix6d floorCovariance(double floor_m, double floor_deg) {
+  const double t = floor_m * floor_m, r = std::pow(floor_deg * M_PI / 180, 2);
+  return Vector6d(t, t, t, r, r, r).asDiagonal();
+}
+
+Matrix6d symmetric(const Matrix6d& M) { return 0.5 * (M + M.transpose()); }
+
+}  // namespace
+
+Matrix6d withFloor(const Matrix6d& information, double floor_m, double floor_deg) {
+  const Matrix6d F = floorCovariance(floor_m, floor_deg);
+  return symmetric(information * (Matrix6d::Identity() + F * information).inverse());
+}
+
+Pose appendNode(PoseGraph& graph, const std::vector<Keyframe>& keyframes, const Keyframe& keyframe,
+                const GraphParams& params) {
+  const auto j = static_cast<std::uint32_t>(graph.poses.size());
+  graph.planar = keyframe.planar;
+  if (j == 0) {
+    graph.poses.push_back(keyframe.T_odom_base);
+    return graph.poses.back();
+  }
+  const Pose T_i_j = keyframes.back().T_odom_base.inverse() * keyframe.T_odom_base;
+  graph.poses.push_back(graph.poses.back() * T_i_j);
+  const Matrix6d covariance =
+      symmetric(keyframe.step_covariance) + floorCovariance(params.odometry_floor_m, params.odometry_floor_deg);
+  graph.factors.push_back({FactorKind::kOdometry, j - 1, j, T_i_j, symmetric(covariance.inverse())});
+  return graph.poses.back();
+}
+
+Factor loopFactor(const LoopRecord& record, const GraphParams& params) {
+  return {FactorKind::kLoop, record.match, record.query, record.T_match_query,
+          withFloor(record.information, params.loop_floor_m, params.loop_floor_deg)};
+}
+
+}  // namespace scslam

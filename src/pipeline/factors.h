@@ -1,0 +1,21 @@
+// From what was measured to factors of the pose graph (paper, Eq. 2), with honest weights.
+#pragma once
+#include "scslam/pipeline/slam_params.h"
+#include "scslam/session/records.h"
+
+namespace scslam {
+
+/// Adds the node of `keyframe`, placed by odometry after the newest of `keyframes`, and the odometry factor between
+/// both; the first node stands at its odometry pose (the optimiser holds it there: the gauge).
+/// @return the node's pose T_map_base.
+Pose appendNode(PoseGraph& graph, const std::vector<Keyframe>& keyframes, const Keyframe& keyframe,
+                const GraphParams& params);
+
+/// X_match^-1 X_query = T_match_query, weighted by the registration's Hessian, never better than the floor.
+Factor loopFactor(const LoopRecord& record, const GraphParams& params);
+
+/// Information of a measurement whose own information is `information` after independent noise with standard deviations
+/// floor_m, floor_deg is added: (I^-1 + F)^-1, defined for singular I too.
+Matrix6d withFloor(const Matrix6d& information, double floor_m, double floor_deg);
+
+}  // namespace scslam

@@ -1,0 +1,154 @@
+#include "scslam/pipeline/slam.h"
+
+#include "scslam/core/log.h"
+#include "scslam/core/voxel_filter.h"
+#include "scslam/pipeline/factors.h"
+
+namespace scslam {
+
+Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter& session, const Pose& T_base_sensor)
+    : params_(params),
+      context_(context),
+      session_(session),
+      odometry_(params.odometry.frontend.create(context)),
+      selector_(params.keyframe),
+      loops_(params, context),
+      clouds_(session.folder(), static_cast<std::size_t>(params.session.cloud_cache_mb * 1e6),
+              [T_base_sensor, voxel_m = params.registration.voxel_m](const Cloud& cloud_sensor) {
+                Cloud thinned = selected(cloud_sensor, firstPerVoxel(cloud_sensor, voxel_m));
+                transformInPlace(thinned, T_base_sensor);
+                return thinned;
+              }),
+      T_base_sensor_(T_base_sensor) {}
+
+void Slam::begin(std::optional<std::size_t> scan_count, const Pose& T_base_reference) {
+  odometry_->begin(scan_count, T_base_reference);
+}
+
+void Slam::process(Scan scan) {
+  ++taken_;
+  if (!inOrder(scan)) return;
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const StageTimer timer(times_, Stage::kPreprocess);
+    preprocess(scan, params_.preprocess);
+  }
+  OdometryStep step;
+  {
+    const StageTimer timer(times_, Stage::kOdometry);
+    step = odometry_->step(scan);
+  }
+  ++counts_.scans;
+  counts_.empty_scans += scan.cloud.empty();
+  if (!step.quality.ok)
+    ++counts_.lost_scans, say(fmt::format("scan {}: odometry lost: {}", scan.index, step.quality.note));
+  const bool due = selector_.isDue(step.T_odom_base, step.covariance) && !step.cloud.empty();
+  if (due) addKeyframe(scan, step);
+  session_.addScan({scan.index, scan.stamp, step.T_odom_base, static_cast<std::int64_t>(keyframes_.size()) - 1});
+  if (due) closeLoops();
+  if (due && keyframes_.size() % static_cast<std::size_t>(params_.session.checkpoint_every) == 0) checkpoint();
+  times_.scan_ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
+}
+
+bool Slam::inOrder(const Scan& scan) {
+  if (last_stamp_ && scan.stamp <= *last_stamp_) {
+    ++counts_.late_scans;
+    say(fmt::format("scan {}: its time {} does not come after that of the scan before ({}): left out", scan.index,
+                    formatStamp(scan.stamp), formatStamp(*last_stamp_)));
+    return false;
+  }
+  last_stamp_ = scan.stamp;
+  return true;
+}
+
+void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
+  Keyframe keyframe;
+  keyframe.id = static_cast<KeyframeId>(keyframes_.size());
+  keyframe.scan_index = scan.index;
+  keyframe.stamp = scan.stamp;
+  keyframe.planar = scan.planar;
+  selector_.accept(keyframe);
+
+  const Pose T_map_base = appendNode(graph_, keyframes_, keyframe, params_.graph);
+  keyframes_.push_back(keyframe);
+  ++counts_.keyframes;
+  Descriptor descriptor;
+  {
+    const StageTimer timer(times_, Stage::kPlace);
+    descriptor = loops_.describe(keyframe, step.cloud);
+    loops_.add(keyframe, descriptor);
+  }
+  const StageTimer timer(times_, Stage::kSession);
+  session_.addKeyframe(keyframe, T_map_base, transformed(step.cloud, T_base_sensor_.inverse()), descriptor);
+}
+
+void Slam::closeLoops() {
+  std::vector<LoopRecord> records;
+  {
+    const StageTimer timer(times_, Stage::kRegistration);
+    records = loops_.close(keyframes_, graph_.poses, clouds_);
+  }
+  bool accepted = false;
+  for (const LoopRecord& record : records) {
+    ++counts_.candidates;
+    counts_.loops += record.accepted;
+    accepted |= record.accepted;
+    if (record.accepted) graph_.factors.push_back(loopFactor(record, params_.graph));
+    session_.addLoop(record);
+    say(fmt::format("loop {} -> {}: {}", record.query, record.match, record.reason));
+  }
+  if (accepted) optimise();
+}
+
+void Slam::optimise() {
+  const StageTimer timer(times_, Stage::kGraph);
+  scslam::optimise(graph_, params_.graph.optimiser);
+  session_.setPoses(graph_.poses);
+  odometry_->correct(graph_.poses.back() * keyframes_.back().T_odom_base.inverse());
+}
+
+void Slam::checkpoint() {
+  const StageTimer timer(times_, Stage::kSession);
+  ByteWriter state;
+  state.put(std::uint64_t{taken_});
+  state.put(std::int64_t{last_stamp_ ? last_stamp_->time_since_epoch().count() : 0});
+  state.put(std::vector<std::uint64_t>{counts_.scans, counts_.candidates, counts_.loops, counts_.empty_scans,
+                                       counts_.late_scans, counts_.lost_scans});
+  selector_.save(state);
+  odometry_->save(state);
+  session_.checkpoint(state.bytes());
+}
+
+std::size_t Slam::resume(RecoveredSession recovered) {
+  if (recovered.pipeline_state.empty()) return 0;
+  ByteReader state(recovered.pipeline_state);
+  taken_ = state.get<std::uint64_t>();
+  last_stamp_ = Stamp(Stamp::duration(state.get<std::int64_t>()));
+  std::vector<std::uint64_t> counts;
+  state.get(counts);
+  counts_ = {counts.at(0), recovered.keyframes.size(), counts.at(1), counts.at(2), counts.at(3), counts.at(4),
+             counts.at(5)};
+  selector_.load(state);
+  odometry_->load(state);
+  for (std::size_t k = 0; k < recovered.keyframes.size(); ++k) {
+    appendNode(graph_, keyframes_, recovered.keyframes[k], params_.graph);
+    keyframes_.push_back(recovered.keyframes[k]);
+    loops_.add(recovered.keyframes[k], recovered.descriptors[k]);
+    for (const LoopRecord& record : recovered.loops)
+      if (record.accepted && record.query == k) graph_.factors.push_back(loopFactor(record, params_.graph));
+  }
+  graph_.poses = std::move(recovered.T_map_base);
+  return taken_;
+}
+
+void Slam::finish(SessionEnd end) {
+  const StageTimer timer(times_, Stage::kSession);
+  session_.finish(graph_, end);
+}
+
+void Slam::say(const std::string& line) {
+  session_.logLine(line);
+  logDebug(context_.log, "{}", line);
+}
+
+}  // namespace scslam

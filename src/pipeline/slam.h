@@ -1,0 +1,66 @@
+// The paper's figure: sensor -> odometry -> keyframe -> place -> registration -> graph -> session.
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scslam/pipeline/loop_closer.h"
+#include "scslam/pipeline/stages.h"
+#include "scslam/session/cloud_store.h"
+#include "scslam/session/session_writer.h"
+
+namespace scslam {
+
+struct SlamCounts {
+  std::size_t scans = 0, keyframes = 0, candidates = 0, loops = 0;
+  std::size_t empty_scans = 0, late_scans = 0,
+              lost_scans = 0;  ///< no usable point; stamp not after the one before; odometry failed
+};
+
+class Slam {
+ public:
+  /// @param session where everything is recorded as it happens; outlives this.
+  Slam(const SlamParams& params, const PluginContext& context, SessionWriter& session, const Pose& T_base_sensor);
+
+  /// Before the first scan: what the front-end may need to know of the source.
+  void begin(std::optional<std::size_t> scan_count, const Pose& T_base_reference);
+  /// Goes on from what a killed run had recorded. @return how many scans of the source it had taken.
+  std::size_t resume(RecoveredSession recovered);
+
+  void process(Scan scan);
+
+  /// Makes the present point one a later run can go on from.
+  void checkpoint();
+  /// Brings the session folder up to date.
+  void finish(SessionEnd end);
+
+  const SlamCounts& counts() const { return counts_; }
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  const PoseGraph& graph() const { return graph_; }
+  const StageTimes& times() const { return times_; }
+
+ private:
+  bool inOrder(const Scan& scan);
+  void addKeyframe(const Scan& scan, const OdometryStep& step);
+  void closeLoops();
+  void optimise();
+  void say(const std::string& line);
+
+  SlamParams params_;
+  PluginContext context_;
+  SessionWriter& session_;
+  std::unique_ptr<Odometry> odometry_;
+  KeyframeSelector selector_;
+  LoopCloser loops_;
+  CloudStore clouds_;  ///< thinned, frame base
+  Pose T_base_sensor_;
+
+  std::vector<Keyframe> keyframes_;
+  PoseGraph graph_;        ///< nodes = keyframes, T_map_base
+  std::size_t taken_ = 0;  ///< scans taken from the source
+  std::optional<Stamp> last_stamp_;
+  SlamCounts counts_;
+  StageTimes times_;
+};
+
+}  // namespace scslam
