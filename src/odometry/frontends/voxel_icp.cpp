@@ -12,7 +12,11 @@ namespace {
 constexpr int kLevels = 3;
 constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
 constexpr int kLostBeforeRestart = 5;
-constexpr double kPoorShare = 0.7;  // of the usual inlier ratio
+
+// Shares of the usual inlier ratio. A scan that looks into new country has few points on the map and yet fits: a poor
+// share is a reason to search, only a very poor one to give up, and a far place must fit nearly as well as usual.
+constexpr double kPoorShare = 0.7, kLostShare = 0.4, kFarShare = 0.75, kFarBetter = 1.3;
+constexpr double kFarPrecision = 0.75;  // inliers among the matched points of a far place
 constexpr double kLeastInliers = 0.1;
 
 std::size_t leastPoints(bool planar) { return planar ? 20 : 60; }
@@ -26,7 +30,8 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
   Prepared prepared;
   prepared.cloud = inRange(scan);
   if (prepared.cloud.size() < leastPoints(scan.planar)) {
-    lose(scan, fmt::format("only {} usable points", prepared.cloud.size()), out);
+    lose(scan, T_odom_base_ * predictedStep(scan.stamp), fmt::format("only {} usable points", prepared.cloud.size()),
+         out);
     out.cloud = std::move(prepared.cloud);
     return out;
   }
@@ -44,34 +49,18 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
     return out;
   }
 
-  bool jumped = false;
-  const Fit fit = fitScan(prepared, scan, bestGuess(scan, prepared.raw_map_points));
-  MatchResult match = fit.match;
-  const Pose T_guess = T_odom_base_ * predictedStep(scan.stamp);
-  if (!moving_known_ || poor(match) || surprising(match, T_guess)) {
-    const MatchResult found = search(prepared.map_points, poor(match) ? T_guess : match.T_map_scan, poor(match));
-    if (found.meanScore() > match.meanScore()) {
-      const double turned = rotationAngle(match.T_map_scan.inverse() * found.T_map_scan);
-      jumped = moving_known_ && turned > 0.2;
-      if (jumped) out.quality.note = "recovered by rotation search";
-      match = found;
-    }
-  }
+  const Pose T_guess = bestGuess(scan, prepared.raw_map_points);
+  Fit fit = fitScan(prepared, scan, T_guess);
+  const bool jumped = doubtful(fit.match, T_odom_base_ * predictedStep(scan.stamp)) &&
+                      searched(prepared.map_points, T_guess, scan.T_odom_base.has_value(), fit.match, out.quality);
   if (fit.deskewed) deskew(prepared.cloud, fit.twist);
-  if (poor(match)) {
-    lose(scan,
-         fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})", match.inlierRatio(),
-                     usual_inliers_),
-         out);
-    if (lost_ == kLostBeforeRestart) {
-      map_ = emptyMap();
-      map_->insert(prepared.map_points, T_odom_base_);
-      usual_inliers_ = 0;
-      lost_ = 0;
-      out.quality.note += "; local map restarted";
-    }
+  if (share(fit.match) < kLostShare) {
+    const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
+                                        fit.match.inlierRatio(), usual_inliers_);
+    lose(scan, T_guess, why, out);
+    if (lost_ == kLostBeforeRestart) restartMap(prepared.map_points, out.quality);
   } else {
-    accept(scan, match, jumped, out);
+    accept(scan, fit.match, jumped, out);
     map_->insert(prepared.map_points, T_odom_base_);
     map_->forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m, map_->level(0).size() / 16 + 64);
   }
@@ -169,7 +158,7 @@ MatchOptions VoxelIcp::matchOptions() const {
   MatchOptions options;
   options.levels = {0, kLevels - 1};
   options.max_iterations = params_.max_iterations;
-  options.inlier_m = 0.3 * voxel_m_;
+  options.inlier_m = (planar_ ? 0.5 : 0.3) * voxel_m_;
   options.sigma_m = 0.06 * voxel_m_;
   options.planar = planar_;
   return options;
@@ -233,14 +222,38 @@ VoxelIcp::Fit VoxelIcp::fitScan(Prepared& prepared, const Scan& scan, const Pose
   return plain;
 }
 
-bool VoxelIcp::poor(const MatchResult& match) const {
-  return match.system.matched < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers ||
-         match.inlierRatio() < kPoorShare * usual_inliers_;
+double VoxelIcp::share(const MatchResult& match) const {
+  if (match.system.inliers < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers) return 0.0;
+  return usual_inliers_ > 0 ? match.inlierRatio() / usual_inliers_ : 1.0;
 }
 
-bool VoxelIcp::surprising(const MatchResult& match, const Pose& T_odom_base_guess) const {
-  const Vector6d d = local(T_odom_base_guess, match.T_map_scan);
-  return d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
+bool VoxelIcp::doubtful(const MatchResult& match, const Pose& T_odom_base_predicted) const {
+  const Vector6d d = local(T_odom_base_predicted, match.T_map_scan);
+  const bool surprising = d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
+  return !moving_known_ || surprising || share(match) < kPoorShare;
+}
+
+bool VoxelIcp::searched(const Cloud& map_points, const Pose& T_odom_base_guess, bool recorded, MatchResult& match,
+                        OdometryQuality& quality) const {
+  const MatchResult near = search(map_points, T_odom_base_guess, false);
+  if (near.meanScore() > match.meanScore()) match = near;
+  // A planar scan sees half the room, and recorded odometry would know of a turn: there only a lost scan looks far
+  // away.
+  if (share(match) >= (planar_ || recorded ? kLostShare : kPoorShare)) return false;
+  const MatchResult far = search(map_points, T_odom_base_guess, true);
+  const bool precise = far.system.inliers >= kFarPrecision * far.system.matched;
+  if (!precise || share(far) < kFarShare || far.inlierRatio() < kFarBetter * match.inlierRatio()) return false;
+  match = far;
+  quality.note = "recovered by rotation search";
+  return true;
+}
+
+void VoxelIcp::restartMap(const Cloud& map_points, OdometryQuality& quality) {
+  map_ = emptyMap();
+  map_->insert(map_points, T_odom_base_);
+  usual_inliers_ = 0;
+  lost_ = 0;
+  quality.note += "; local map restarted";
 }
 
 MatchResult VoxelIcp::search(const Cloud& source, const Pose& T_odom_base_guess, bool full_turn) const {

@@ -54,13 +54,18 @@ class VoxelIcp : public Odometry {
   Fit fitDeskewed(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess) const;
   MatchResult matchWith(const Cloud& map_points, const Pose& T_odom_base_guess) const;
   MatchResult search(const Cloud& source, const Pose& T_odom_base_guess, bool full_turn) const;
-  bool poor(const MatchResult& match) const;
-  bool surprising(const MatchResult& match, const Pose& T_odom_base_guess) const;
+  /// Inlier ratio as a share of the usual one; 0 when there are too few.
+  double share(const MatchResult& match) const;
+  bool doubtful(const MatchResult& match, const Pose& T_odom_base_predicted) const;
+  /// Looks about the guess and, when nothing near fits, all around. @return the motion was found far from the guess.
+  bool searched(const Cloud& map_points, const Pose& T_odom_base_guess, bool recorded, MatchResult& match,
+                OdometryQuality& quality) const;
+  void restartMap(const Cloud& map_points, OdometryQuality& quality);
   MatchOptions matchOptions() const;
 
   /// @param jumped the motion was found by a search: it says nothing about the velocity of the next step.
   void accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out);
-  void lose(const Scan& scan, const std::string& why, OdometryStep& out);
+  void lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out);
   Matrix6d stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const;
 
   Params params_;
