@@ -28,7 +28,7 @@ struct Surfel {
 struct SurfelRules {
   int min_points = 5;
   int max_points = 200;       ///< a full voxel takes no more points: the first drive anchors the map
-  float max_flatness = 0.2f;  ///< smallest / middle eigenvalue of the covariance
+  float max_flatness = 0.3f;  ///< smallest / middle eigenvalue of the covariance
   float min_spread = 0.005f;  ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
   bool planar = false;        ///< 2-D data: lines in the x-y plane, normals horizontal
 
