@@ -53,7 +53,7 @@ class VoxelIcpRegistration : public Registration {
     result.T_target_source = match.T_map_scan;
     result.converged = match.converged && match.inlierRatio() > 0.05;
     result.iterations = match.iterations;
-    result.inlier_ratio = match.inlierRatio();
+    result.inlier_ratio = match.system.matched ? static_cast<double>(match.system.inliers) / match.system.matched : 0.0;
     result.overlap = overlap(thin, match.T_map_scan);
     result.rmse_m = match.rmse();
     result.degenerate_axes = match.degenerate_axes;
