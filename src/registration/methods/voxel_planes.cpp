@@ -1,5 +1,6 @@
 // Point-to-plane registration on a pyramid of voxel planes, coarse to fine: a grid of poses about the guess is scored
 // on the coarsest planes, its best cells slide down the pyramid, and the one that fits best at the finest is kept.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,11 +12,13 @@
 namespace scslam {
 namespace {
 
-constexpr int kLevels = 4;
+constexpr int kLevels = 4;  // the coarsest catches a poor guess, the finest three give the result
 
-}  // namespace
+// Error that no number of points averages out: the submap's scans stand at poses of their own. Measured on reverse
+// revisits of a street with surveyed poses (median error 0.02 m, 0.09 deg).
+constexpr double kFloor_m = 0.015, kFloor_rad = 0.0015;
 
-class VoxelIcpRegistration : public Registration {
+class VoxelPlanes : public Registration {
  public:
   struct Params : ParamSetOf<Params> {
     double voxel_m = 0;
@@ -35,7 +38,7 @@ class VoxelIcpRegistration : public Registration {
     }
   };
 
-  VoxelIcpRegistration(const Params& params, const PluginContext& context) : params_(params), context_(context) {}
+  VoxelPlanes(const Params& params, const PluginContext& context) : params_(params), context_(context) {}
 
   void setTarget(const Cloud& target) override {
     target_ = finiteAndThin(target);
@@ -53,7 +56,7 @@ class VoxelIcpRegistration : public Registration {
     result.T_target_source = match.T_map_scan;
     result.converged = match.converged && match.inlierRatio() > 0.05;
     result.iterations = match.iterations;
-    result.inlier_ratio = match.system.matched ? static_cast<double>(match.system.inliers) / match.system.matched : 0.0;
+    result.inlier_ratio = match.inlierRatio();
     result.overlap = overlap(thin, match.T_map_scan);
     result.rmse_m = match.rmse();
     result.degenerate_axes = match.degenerate_axes;
@@ -137,10 +140,15 @@ class VoxelIcpRegistration : public Registration {
 
   /// Directions the overlap does not fix are known as well as the guess was: to the width of the search.
   Matrix6d believable(const Matrix6d& information) const {
-    const double xy = std::max(params_.search_xy_m, voxel_m_), yaw = std::max(params_.search_yaw_deg, 2.0) * M_PI / 180;
+    const double xyz = std::max(params_.search_xy_m, voxel_m_),
+                 angle = std::max(params_.search_yaw_deg, 2.0) * M_PI / 180;
     Matrix6d hessian = information;
-    hessian.diagonal().head<3>().array() += 1 / (xy * xy);
-    hessian.diagonal().tail<3>().array() += 1 / (yaw * yaw);
+    hessian.diagonal().head<3>().array() += 1 / (xyz * xyz);
+    hessian.diagonal().tail<3>().array() += 1 / (angle * angle);
+    Matrix6d covariance = hessian.inverse();
+    covariance.diagonal().head<3>().array() += kFloor_m * kFloor_m;
+    covariance.diagonal().tail<3>().array() += kFloor_rad * kFloor_rad;
+    hessian = covariance.inverse();
     return 0.5 * (hessian + hessian.transpose());
   }
 
@@ -153,7 +161,9 @@ class VoxelIcpRegistration : public Registration {
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero(), high_ = Eigen::Vector3f::Zero();
 };
 
-SCSLAM_REGISTER(Registration, VoxelIcpRegistration, "voxel_icp",
+}  // namespace
+
+SCSLAM_REGISTER(Registration, VoxelPlanes, "voxel_planes",
                 "coarse-to-fine point-to-plane on voxel planes, searches about the guess")
 
 }  // namespace scslam
