@@ -55,7 +55,7 @@ struct PlaceParams : ParamSetOf<PlaceParams> {
 };
 
 struct RegistrationParams : ParamSetOf<RegistrationParams> {
-  PluginChoice<Registration> method{"voxel_icp"};
+  PluginChoice<Registration> method{"voxel_planes"};
   double submap_reach_m = 20;
   int submap_max_each_side = 10;
   double voxel_m = 0.3;
