@@ -122,7 +122,8 @@ TEST(ExportMap, OctomapIsOccupiedAtTheWallAndFreeBeforeIt) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   exportMap(sessionOf(folder / "s", walls()), {"octomap"}, {}, folder / "map", context());
-  EXPECT_EQ(testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // the library likes to talk
   octomap::OcTree bt(0.1);
   ASSERT_TRUE(bt.readBinary((folder / "map/map.bt").string()));
   EXPECT_DOUBLE_EQ(bt.getResolution(), 0.2);

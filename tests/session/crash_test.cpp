@@ -9,6 +9,7 @@
 #include "scslam/session/session.h"
 #include "session/folder_bytes.h"
 #include "session/made_up_session.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 std::map<std::string, std::string> undisturbed() {
-  const fs::path folder = freshFolder() / "undisturbed";
+  const MemoryFolder memory;
+  const fs::path folder = memory.path() / "undisturbed";
   const MadeUpSession made;
   made.tellAll(*SessionWriter::create(folder, made.info, false));
   return bytesOf(folder);
@@ -51,7 +53,8 @@ std::vector<fs::path> snapshots(const fs::path& root) {
 
 TEST(Crash, KilledAfterAnyEventTheSessionOpensWithEverythingToldSoFar) {
   std::size_t scans = 0, keyframes = 0;
-  for (const fs::path& copy : snapshots(freshFolder())) {
+  const MemoryFolder memory;
+  for (const fs::path& copy : snapshots(memory.path())) {
     const Session session = Session::open(copy);
     EXPECT_FALSE(session.complete());
     EXPECT_GE(session.scans().size(), scans);
@@ -65,7 +68,8 @@ TEST(Crash, KilledAfterAnyEventTheSessionOpensWithEverythingToldSoFar) {
 
 TEST(Crash, ResumedAfterAnyEventTheRunEndsInTheSameBytes) {
   const auto expected = undisturbed();
-  for (const fs::path& copy : snapshots(freshFolder())) {
+  const MemoryFolder memory;
+  for (const fs::path& copy : snapshots(memory.path())) {
     resumeAndFinish(copy);
     const auto bytes = bytesOf(copy);
     ASSERT_EQ(namesIn(bytes), namesIn(expected)) << copy;
@@ -75,7 +79,8 @@ TEST(Crash, ResumedAfterAnyEventTheRunEndsInTheSameBytes) {
 
 TEST(Crash, HalfWrittenFilesDoNotDisturbAResume) {
   const auto expected = undisturbed();
-  const fs::path copy = snapshots(freshFolder())[40];
+  const MemoryFolder memory;
+  const fs::path copy = snapshots(memory.path())[40];
   for (const char* name : {"Scans/000017.pcd", "Scans/000002.pcd.tmp", "SCDs/000017.scd", "times.txt.tmp"})
     writeFileAtomically(copy / name, "half");
   AppendFile(copy / "journal.bin", fs::file_size(copy / "journal.bin")).append("torn record");
@@ -84,7 +89,8 @@ TEST(Crash, HalfWrittenFilesDoNotDisturbAResume) {
 }
 
 TEST(Crash, JournalCutAtAnyByteIsAPrefix) {
-  const fs::path copy = snapshots(freshFolder()).back();
+  const MemoryFolder memory;
+  const fs::path copy = snapshots(memory.path()).back();
   const std::string journal = readFile(copy / "journal.bin");
   const JournalContents whole = readJournal(copy / "journal.bin");
   std::size_t scans = 0;
@@ -103,7 +109,8 @@ TEST(Crash, JournalCutAtAnyByteIsAPrefix) {
 }
 
 TEST(Crash, FlippedByteEndsTheJournalThereAndNeverCrashes) {
-  const fs::path copy = snapshots(freshFolder()).back();
+  const MemoryFolder memory;
+  const fs::path copy = snapshots(memory.path()).back();
   const std::string journal = readFile(copy / "journal.bin");
   for (std::size_t i = 12; i < journal.size(); i += 11) {
     std::string damaged = journal;
@@ -130,7 +137,8 @@ TEST(Crash, DamagedCompleteSessionIsReportedNotShortened) {
 }
 
 TEST(Crash, ResumeRefusesAnotherInputConfigurationOrACompleteSession) {
-  const fs::path root = freshFolder();
+  const MemoryFolder memory;
+  const fs::path root = memory.path();
   const fs::path copy = snapshots(root)[20];
   RecoveredSession recovered;
   const auto refusal = [&](const fs::path& folder, const SessionInfo& info) -> std::string {
@@ -173,7 +181,8 @@ TEST(Crash, FullDiskIsOneErrorAndTheSessionResumes) {
   const std::size_t largest = expected.at("journal.bin").size();
   int failures = 0;
   for (std::size_t limit = 700; limit < largest; limit += 509) {
-    const fs::path folder = freshFolder() / "s";
+    const MemoryFolder memory;
+    const fs::path folder = memory.path() / "s";
     std::string message;
     try {
       const auto writer = SessionWriter::create(folder, made.info, false);
