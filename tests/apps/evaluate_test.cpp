@@ -5,6 +5,7 @@
 #include "apps/session_of.h"
 #include "scslam/apps/alignment.h"
 #include "scslam/core/error.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -44,7 +45,7 @@ std::vector<Pose> line(std::size_t n, double step_m) {
 }
 
 Evaluation evaluated(const SessionParts& parts, const std::vector<Pose>& truth, const EvaluationOptions& options = {}) {
-  return evaluate(sessionOf(freshFolder() / "s", parts), untimed(truth), options);
+  return evaluate(sessionOf(memoryFolder() / "s", parts), untimed(truth), options);
 }
 
 const Pose kElsewhere = poseFromYaw(2.1, {450, -30, 12});
@@ -90,7 +91,7 @@ TEST(Evaluate, ShortDriveTakesShortSegmentsAndSaysSo) {
 
 TEST(Evaluate, TimedTruthIsInterpolatedAtTheStampsOfTheScans) {
   const auto poses = line(50, 2);
-  const Session session = sessionOf(freshFolder() / "s", {poses, poses});
+  const Session session = sessionOf(memoryFolder() / "s", {poses, poses});
   Trajectory truth;  // every 70 ms from the third scan on
   for (int i = 0; i < 60; ++i) {
     const double t = 0.2 + 0.07 * i;
@@ -114,7 +115,7 @@ TEST(Evaluate, CountsThatDoNotAgreeAreNamed) {
 
 TEST(Evaluate, TruthOfAnotherTimeIsAnError) {
   const auto poses = line(7, 1);
-  const Session session = sessionOf(freshFolder() / "s", {poses, poses});
+  const Session session = sessionOf(memoryFolder() / "s", {poses, poses});
   Trajectory truth;
   truth.poses.push_back({stampFromSeconds(5), Pose::Identity()});
   EXPECT_THROW(evaluate(session, truth), Error);

@@ -19,8 +19,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 std::map<std::string, std::string> undisturbed() {
-  const MemoryFolder memory;
-  const fs::path folder = memory.path() / "undisturbed";
+  const fs::path folder = memoryFolder() / "undisturbed";
   const MadeUpSession made;
   made.tellAll(*SessionWriter::create(folder, made.info, false));
   return bytesOf(folder);
@@ -53,8 +52,7 @@ std::vector<fs::path> snapshots(const fs::path& root) {
 
 TEST(Crash, KilledAfterAnyEventTheSessionOpensWithEverythingToldSoFar) {
   std::size_t scans = 0, keyframes = 0;
-  const MemoryFolder memory;
-  for (const fs::path& copy : snapshots(memory.path())) {
+  for (const fs::path& copy : snapshots(memoryFolder())) {
     const Session session = Session::open(copy);
     EXPECT_FALSE(session.complete());
     EXPECT_GE(session.scans().size(), scans);
@@ -68,8 +66,7 @@ TEST(Crash, KilledAfterAnyEventTheSessionOpensWithEverythingToldSoFar) {
 
 TEST(Crash, ResumedAfterAnyEventTheRunEndsInTheSameBytes) {
   const auto expected = undisturbed();
-  const MemoryFolder memory;
-  for (const fs::path& copy : snapshots(memory.path())) {
+  for (const fs::path& copy : snapshots(memoryFolder())) {
     resumeAndFinish(copy);
     const auto bytes = bytesOf(copy);
     ASSERT_EQ(namesIn(bytes), namesIn(expected)) << copy;
@@ -79,8 +76,7 @@ TEST(Crash, ResumedAfterAnyEventTheRunEndsInTheSameBytes) {
 
 TEST(Crash, HalfWrittenFilesDoNotDisturbAResume) {
   const auto expected = undisturbed();
-  const MemoryFolder memory;
-  const fs::path copy = snapshots(memory.path())[40];
+  const fs::path copy = snapshots(memoryFolder())[40];
   for (const char* name : {"Scans/000017.pcd", "Scans/000002.pcd.tmp", "SCDs/000017.scd", "times.txt.tmp"})
     writeFileAtomically(copy / name, "half");
   AppendFile(copy / "journal.bin", fs::file_size(copy / "journal.bin")).append("torn record");
@@ -89,8 +85,7 @@ TEST(Crash, HalfWrittenFilesDoNotDisturbAResume) {
 }
 
 TEST(Crash, JournalCutAtAnyByteIsAPrefix) {
-  const MemoryFolder memory;
-  const fs::path copy = snapshots(memory.path()).back();
+  const fs::path copy = snapshots(memoryFolder()).back();
   const std::string journal = readFile(copy / "journal.bin");
   const JournalContents whole = readJournal(copy / "journal.bin");
   std::size_t scans = 0;
@@ -109,8 +104,7 @@ TEST(Crash, JournalCutAtAnyByteIsAPrefix) {
 }
 
 TEST(Crash, FlippedByteEndsTheJournalThereAndNeverCrashes) {
-  const MemoryFolder memory;
-  const fs::path copy = snapshots(memory.path()).back();
+  const fs::path copy = snapshots(memoryFolder()).back();
   const std::string journal = readFile(copy / "journal.bin");
   for (std::size_t i = 12; i < journal.size(); i += 11) {
     std::string damaged = journal;
@@ -137,8 +131,7 @@ TEST(Crash, DamagedCompleteSessionIsReportedNotShortened) {
 }
 
 TEST(Crash, ResumeRefusesAnotherInputConfigurationOrACompleteSession) {
-  const MemoryFolder memory;
-  const fs::path root = memory.path();
+  const fs::path root = memoryFolder();
   const fs::path copy = snapshots(root)[20];
   RecoveredSession recovered;
   const auto refusal = [&](const fs::path& folder, const SessionInfo& info) -> std::string {
@@ -181,8 +174,7 @@ TEST(Crash, FullDiskIsOneErrorAndTheSessionResumes) {
   const std::size_t largest = expected.at("journal.bin").size();
   int failures = 0;
   for (std::size_t limit = 700; limit < largest; limit += 509) {
-    const MemoryFolder memory;
-    const fs::path folder = memory.path() / "s";
+    const fs::path folder = memoryFolder() / "s";
     std::string message;
     try {
       const auto writer = SessionWriter::create(folder, made.info, false);

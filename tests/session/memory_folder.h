@@ -8,28 +8,23 @@
 
 namespace scslam::test {
 
-class MemoryFolder {
- public:
-  MemoryFolder() {
-    const std::filesystem::path memory = "/dev/shm";
-    path_ = freshFolder();
-    if (::access(memory.c_str(), W_OK) == 0) {
-      path_ = memory / ("scslam-test-" + std::to_string(::getpid())) / path_.filename();
-      std::filesystem::remove_all(path_);
-      std::filesystem::create_directories(path_);
+/// freshFolder(), in memory where that is possible; gone when the test program ends.
+inline std::filesystem::path memoryFolder() {
+  struct Root {
+    std::filesystem::path path = "/dev/shm/scslam-test-" + std::to_string(::getpid());
+    ~Root() {
+      std::error_code ignored;
+      std::filesystem::remove_all(path, ignored);
     }
+  };
+  static const Root root;
+  std::filesystem::path folder = freshFolder();
+  if (::access("/dev/shm", W_OK) == 0) {
+    folder = root.path / folder.filename();
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
   }
-  ~MemoryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-    std::filesystem::remove(path_.parent_path(), ignored);
-  }
-  MemoryFolder(const MemoryFolder&) = delete;
-  MemoryFolder& operator=(const MemoryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+  return folder;
+}
 
 }  // namespace scslam::test
