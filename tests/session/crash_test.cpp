@@ -192,6 +192,30 @@ TEST(Crash, FullDiskIsOneErrorAndTheSessionResumes) {
   EXPECT_GT(failures, 5);
 }
 
+TEST(Crash, AfterAFailedWriteEveryCallRepeatsThatError) {
+  const fs::path folder = memoryFolder() / "s";
+  const MadeUpSession made;
+  const auto writer = SessionWriter::create(folder, made.info, false);
+  std::string message;
+  try {
+    const FileSizeLimit full(900);
+    made.tellAll(*writer);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  PoseGraph three_poses;
+  three_poses.poses.resize(3, Pose::Identity());
+  for (const auto& call : std::vector<std::function<void()>>{[&] { writer->addScan({}); },
+                                                             [&] { writer->finish(three_poses, SessionEnd::kDone); }}) {
+    try {
+      call();
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.what(), message);
+    }
+  }
+}
+
 TEST(Crash, PosesThatWereNotRecordedAreChainedByOdometry) {
   const fs::path file = freshFolder() / "journal.bin";
   const MadeUpSession made;
