@@ -61,7 +61,7 @@ void Progress::print(std::size_t done, bool last) {
     if (share > 0 && share < 1) line += fmt::format(", {} left", clock(elapsed / share - elapsed));
     if (terminal_) {
       const auto filled = static_cast<std::size_t>(share * 24);
-      line = "[" + std::string(filled, '#') + std::string(24 - filled, '.') + "] " + line;
+      line = fmt::format("[{:#<{}}{:.<{}}] {}", "", filled, "", 24 - filled, line);
     }
   } else {
     line = fmt::format("{}: {}, {} elapsed", what_, done, clock(elapsed));

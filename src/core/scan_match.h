@@ -117,7 +117,8 @@ struct PoseGrid {
 };
 
 /// matchScan() from the guess and from the best cells of the grid about it (yaw about the
-/// local ground's normal, shifts in the map frame); the result with the highest mean score, ties to the cell nearest the guess.
+/// local ground's normal, shifts in the map frame); the result with the highest mean score, ties to the cell nearest
+/// the guess.
 MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                            const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads);
 

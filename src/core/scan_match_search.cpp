@@ -84,7 +84,8 @@ MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const
 
   const int coarsest = options.levels.coarsest;
   const double coarse_m = map.level(coarsest).voxelSize();
-  // A sensor is seldom mounted level: its z axis is not the axis it turns about, and half a turn doubles the difference.
+  // A sensor is seldom mounted level: its z axis is not the axis it turns about, and half a turn doubles the
+  // difference.
   const Eigen::Vector3d up = options.planar ? Eigen::Vector3d::UnitZ().eval()
                                             : map.level(coarsest).upNear(T_map_scan_guess.translation(), 20 * coarse_m);
   std::vector<Cell> cells = cellsOf(T_map_scan_guess, up, grid);

@@ -55,7 +55,7 @@ struct PlaceParams : ParamSetOf<PlaceParams> {
 };
 
 struct RegistrationParams : ParamSetOf<RegistrationParams> {
-  PluginChoice<Registration> method{"voxel_planes"};
+  PluginChoice<Registration> method{"voxel_icp"};
   double submap_reach_m = 20;
   int submap_max_each_side = 10;
   double voxel_m = 0.3;
@@ -67,6 +67,10 @@ struct GraphParams : ParamSetOf<GraphParams> {
   OptimiserParams optimiser;
   double odometry_floor_m = 0.01, odometry_floor_deg = 0.05;
   double loop_floor_m = 0.05, loop_floor_deg = 0.2;
+  GraphParams() {
+    optimiser.init = "file";   // online: odometry has placed the newest keyframe
+    optimiser.robust = "dcs";  // the paper's s_jk
+  }
   void describe(ParamVisitor& visitor) override;
 };
 

@@ -44,6 +44,7 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
     return out;
   }
 
+  bool jumped = false;
   const Fit fit = fitScan(prepared, scan, bestGuess(scan, prepared.raw_map_points));
   MatchResult match = fit.match;
   const Pose T_guess = T_odom_base_ * predictedStep(scan.stamp);
@@ -51,7 +52,8 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
     const MatchResult found = search(prepared.map_points, poor(match) ? T_guess : match.T_map_scan, poor(match));
     if (found.meanScore() > match.meanScore()) {
       const double turned = rotationAngle(match.T_map_scan.inverse() * found.T_map_scan);
-      if (moving_known_ && turned > 0.2) out.quality.note = "recovered by rotation search";
+      jumped = moving_known_ && turned > 0.2;
+      if (jumped) out.quality.note = "recovered by rotation search";
       match = found;
     }
   }
@@ -69,7 +71,7 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
       out.quality.note += "; local map restarted";
     }
   } else {
-    accept(scan, match, out);
+    accept(scan, match, jumped, out);
     map_->insert(prepared.map_points, T_odom_base_);
     map_->forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m, map_->level(0).size() / 16 + 64);
   }

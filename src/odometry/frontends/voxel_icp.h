@@ -58,7 +58,8 @@ class VoxelIcp : public Odometry {
   bool surprising(const MatchResult& match, const Pose& T_odom_base_guess) const;
   MatchOptions matchOptions() const;
 
-  void accept(const Scan& scan, const MatchResult& match, OdometryStep& out);
+  /// @param jumped the motion was found by a search: it says nothing about the velocity of the next step.
+  void accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out);
   void lose(const Scan& scan, const std::string& why, OdometryStep& out);
   Matrix6d stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const;
 

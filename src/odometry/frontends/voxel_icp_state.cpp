@@ -15,19 +15,22 @@ void VoxelIcp::Params::describe(ParamVisitor& visitor) {
   visitor.field("max_iterations", max_iterations, "Gauss-Newton iterations per scan", 1, 1000);
 }
 
-void VoxelIcp::accept(const Scan& scan, const MatchResult& match, OdometryStep& out) {
+void VoxelIcp::accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out) {
   const double ratio = match.inlierRatio();
   usual_inliers_ = usual_inliers_ == 0 ? ratio : 0.9 * usual_inliers_ + 0.1 * ratio;
   lost_ = 0;
-  T_step_ = T_odom_base_.inverse() * match.T_map_scan;
-  step_s_ = secondsBetween(stamp_, scan.stamp);
-  moving_known_ = true;
+  const Pose T_previous_base = T_odom_base_.inverse() * match.T_map_scan;
+  if (!jumped) {
+    T_step_ = T_previous_base;
+    step_s_ = secondsBetween(stamp_, scan.stamp);
+    moving_known_ = true;
+  }
   T_odom_base_ = match.T_map_scan;
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;
 
   out.T_odom_base = T_odom_base_;
-  out.covariance = stepCovariance(match.information, T_step_);
+  out.covariance = stepCovariance(match.information, T_previous_base);
   out.quality.inlier_ratio = ratio;
   out.quality.rmse_m = match.rmse();
   out.quality.iterations = match.iterations;
