@@ -40,6 +40,8 @@ enum class SessionEnd {
   kStopped,     ///< by the user: whole as it is, and --resume can go on from its last checkpoint
 };
 
+/// A write that fails (disk full) throws an Error; the session then stands, resumable, and every later call repeats
+/// that error.
 class SessionWriter {
  public:
   /// Starts a new session in `folder`.
