@@ -77,12 +77,14 @@ TEST(Layout, APluginIncludesItsInterfaceAndCoreAndNobodyIncludesAPlugin) {
   for (const auto& include : allIncludes()) {
     const fs::path target(include.text);
     const std::string folder = target.begin()->string();
-    if (include.in_plugin)
+    if (include.in_plugin) {
       EXPECT_TRUE(folder == "core" || folder == include.folder) << include.file << " includes " << include.text;
+    }
     const std::string second = std::next(target.begin())->string();
     const bool is_plugin = std::find(kPluginFolders.begin(), kPluginFolders.end(), second) != kPluginFolders.end();
-    if (is_plugin)
+    if (is_plugin) {
       EXPECT_TRUE(include.in_plugin && include.folder == folder) << include.file << " includes " << include.text;
+    }
   }
 }
 
@@ -91,8 +93,9 @@ TEST(Layout, OnlyTheGraphFolderIncludesCeres) {
     if (!entry.is_regular_file()) continue;
     std::ifstream file(entry.path());
     for (std::string line; std::getline(file, line);)
-      if (line.starts_with("#include <ceres"))
+      if (line.starts_with("#include <ceres")) {
         EXPECT_EQ(entry.path().parent_path().filename(), "graph") << entry.path();
+      }
   }
 }
 

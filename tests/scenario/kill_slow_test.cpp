@@ -55,7 +55,9 @@ TEST(Kill, TwentyKillsAtRandomMomentsEndInTheBytesOfAnUndisturbedRun) {
         waitpid(child, &status, 0);
         ++kills;
         resume = fs::exists(folder / "s/session.yaml");
-        if (resume) EXPECT_NO_THROW(Session::open(folder / "s")) << "kill " << kills;
+        if (resume) {
+          EXPECT_NO_THROW(Session::open(folder / "s")) << "kill " << kills;
+        }
         continue;
       }
       if (ended == 0) waitpid(child, &status, 0);
