@@ -1,5 +1,6 @@
 #include "scslam/core/scan_match.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -55,12 +56,13 @@ struct Step {
 };
 
 /// @param lever_m turns rotations into lengths, so that one share of information judges all axes.
-Step solve(const MatchSystem& system, double lever_m, bool planar, double degenerate_share) {
+/// @param from_guess local(T_map_scan_guess, T_map_scan).
+Step solve(const MatchSystem& system, double lever_m, const Vector6d& from_guess, const MatchOptions& options) {
   Vector6d scale;
   scale << 1, 1, 1, 1 / lever_m, 1 / lever_m, 1 / lever_m;
   Matrix6d H = scale.asDiagonal() * system.H * scale.asDiagonal();
   Vector6d g = scale.asDiagonal() * system.g;
-  if (planar) {
+  if (options.planar) {
     for (const int axis : {2, 3, 4}) {
       H.row(axis).setZero();
       H.col(axis).setZero();
@@ -68,19 +70,26 @@ Step solve(const MatchSystem& system, double lever_m, bool planar, double degene
     }
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(H);
-  const double least = degenerate_share * system.H.topLeftCorner<3, 3>().trace();
+  const double least = options.degenerate_share * system.H.topLeftCorner<3, 3>().trace();
   Step step;
+  Matrix6d kept = Matrix6d::Zero();  // projector onto the directions that are fixed
   for (int i = 0; i < 6; ++i) {
-    const double information = eigen.eigenvalues()(i);
     const Vector6d v = eigen.eigenvectors().col(i);
-    if (!(information > least)) {
+    if (!(eigen.eigenvalues()(i) > least)) {
       ++step.degenerate_axes;
       continue;
     }
-    step.delta -= v * (v.dot(g) / information);
-    step.information += information * v * v.transpose();
+    kept += v * v.transpose();
+    step.delta -= v * (v.dot(g) / eigen.eigenvalues()(i));
+    step.information += eigen.eigenvalues()(i) * v * v.transpose();
   }
-  if (planar) {
+  if (!options.guess_information.isZero(0.0)) {
+    const Matrix6d prior =
+        MatchResult::kCorrelatedPoints * scale.asDiagonal() * options.guess_information * scale.asDiagonal();
+    const Vector6d pull = prior * scale.cwiseInverse().asDiagonal() * from_guess;
+    step.delta = -(step.information + prior).ldlt().solve(kept * g + pull);
+  }
+  if (options.planar) {
     step.degenerate_axes -= 3;
     for (const int axis : {2, 3, 4}) step.delta(axis) = 0;
   }
@@ -116,7 +125,7 @@ MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose
   for (; result.iterations < options.max_iterations; ++result.iterations) {
     result.system = linearise(map, options.levels, source, result.T_map_scan, kernel, threads);
     if (result.system.matched < kMinMatches) return result;
-    const Step step = solve(result.system, lever_m, options.planar, options.degenerate_share);
+    const Step step = solve(result.system, lever_m, local(T_map_scan_guess, result.T_map_scan), options);
     result.degenerate_axes = step.degenerate_axes;
     result.information = step.information / MatchResult::kCorrelatedPoints;
     result.kernel_width_m = kernel.width_m;

@@ -78,6 +78,7 @@ struct MatchOptions {
   double sigma_m = 0.03;
   double degenerate_share = 2e-3;  ///< a direction with less than this share of the information is degenerate
   bool planar = false;             ///< x, y and yaw only
+  Matrix6d guess_information = Matrix6d::Zero();  ///< how far the guess itself is to be believed (tangent, frame scan)
 };
 
 struct MatchResult {
@@ -100,7 +101,8 @@ struct MatchResult {
   double meanScore() const { return system.points ? system.score / system.points : 0.0; }
 };
 
-/// Gauss-Newton from T_map_scan_guess. Degenerate directions keep their guess. An empty source or map: not converged.
+/// Gauss-Newton from T_map_scan_guess. Directions that neither the data nor guess_information fixes keep their guess.
+/// An empty source or map: not converged.
 MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                       const MatchOptions& options, ThreadPool& threads);
 

@@ -55,7 +55,9 @@ std::vector<Cell> bestCells(std::vector<Cell> cells, const PoseGrid& grid, int c
   return best;
 }
 
+/// A start of the search is not the guess: it must not be held where it is.
 MatchOptions quick(MatchOptions options, int iterations) {
+  options.guess_information.setZero();
   options.max_iterations = iterations;
   options.step_m = 5e-3;
   options.step_rad = 5e-4;
@@ -119,7 +121,9 @@ MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const
     MatchResult refined = matchScan(map, some, rough.T_map_scan, fine, threads);
     if (refined.meanScore() > best.meanScore()) best = refined;
   }
-  return matchScan(map, source, best.T_map_scan, options, threads);
+  MatchOptions full = options;
+  full.guess_information.setZero();
+  return matchScan(map, source, best.T_map_scan, full, threads);
 }
 
 }  // namespace scslam

@@ -12,7 +12,13 @@ namespace {
 constexpr int kLevels = 3;
 constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
 constexpr int kLostBeforeRestart = 5;
-constexpr double kPoorShare = 0.7;  // of the usual inlier ratio
+
+// Shares of the usual inlier ratio. A scan that looks into new country has few points on the map and yet fits: a poor
+// share is a reason to search, only a very poor one to give up, and a far place must fit nearly as well as usual.
+constexpr double kPoorShare = 0.7, kLostShare = 0.4, kFarShare = 0.75;
+constexpr double kNearBetter = 1.15, kFarBetter = 1.3;  // than the fit at the guess
+constexpr double kGuessBetter = 1.1;                    // than the guess before it
+constexpr double kFarPrecision = 0.75;                  // inliers among the matched points of a far place
 constexpr double kLeastInliers = 0.1;
 
 std::size_t leastPoints(bool planar) { return planar ? 20 : 60; }
@@ -26,7 +32,8 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
   Prepared prepared;
   prepared.cloud = inRange(scan);
   if (prepared.cloud.size() < leastPoints(scan.planar)) {
-    lose(scan, fmt::format("only {} usable points", prepared.cloud.size()), out);
+    lose(scan, T_odom_base_ * predictedStep(scan.stamp), fmt::format("only {} usable points", prepared.cloud.size()),
+         out);
     out.cloud = std::move(prepared.cloud);
     return out;
   }
@@ -44,34 +51,18 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
     return out;
   }
 
-  bool jumped = false;
-  const Fit fit = fitScan(prepared, scan, bestGuess(scan, prepared.raw_map_points));
-  MatchResult match = fit.match;
-  const Pose T_guess = T_odom_base_ * predictedStep(scan.stamp);
-  if (!moving_known_ || poor(match) || surprising(match, T_guess)) {
-    const MatchResult found = search(prepared.map_points, poor(match) ? T_guess : match.T_map_scan, poor(match));
-    if (found.meanScore() > match.meanScore()) {
-      const double turned = rotationAngle(match.T_map_scan.inverse() * found.T_map_scan);
-      jumped = moving_known_ && turned > 0.2;
-      if (jumped) out.quality.note = "recovered by rotation search";
-      match = found;
-    }
-  }
+  const Guess guess = bestGuess(scan, prepared.raw_map_points);
+  Fit fit = fitScan(prepared, scan, guess);
+  const bool jumped = doubtful(fit.match, T_odom_base_ * predictedStep(scan.stamp)) &&
+                      searched(prepared.map_points, guess, fit.match, out.quality);
   if (fit.deskewed) deskew(prepared.cloud, fit.twist);
-  if (poor(match)) {
-    lose(scan,
-         fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})", match.inlierRatio(),
-                     usual_inliers_),
-         out);
-    if (lost_ == kLostBeforeRestart) {
-      map_ = emptyMap();
-      map_->insert(prepared.map_points, T_odom_base_);
-      usual_inliers_ = 0;
-      lost_ = 0;
-      out.quality.note += "; local map restarted";
-    }
+  if (share(fit.match) < kLostShare) {
+    const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
+                                        fit.match.inlierRatio(), usual_inliers_);
+    lose(scan, guess.T_odom_base, why, out);
+    if (lost_ == kLostBeforeRestart) restartMap(prepared.map_points, out.quality);
   } else {
-    accept(scan, match, jumped, out);
+    accept(scan, fit.match, jumped, out);
     map_->insert(prepared.map_points, T_odom_base_);
     map_->forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m, map_->level(0).size() / 16 + 64);
   }
@@ -142,25 +133,35 @@ Pose VoxelIcp::predictedStep(Stamp stamp) const {
   return retract(Pose::Identity(), ratio * local(Pose::Identity(), T_step_));
 }
 
-Pose VoxelIcp::bestGuess(const Scan& scan, const Cloud& source) const {
-  std::vector<Pose> guesses = {T_odom_base_ * predictedStep(scan.stamp)};
+VoxelIcp::Guess VoxelIcp::bestGuess(const Scan& scan, const Cloud& source) const {
+  std::vector<Guess> guesses = {{T_odom_base_ * predictedStep(scan.stamp), Matrix6d::Zero()}};
   if (params_.use_recorded_odometry && T_recorded_ && scan.T_odom_base) {
     const Pose T_step = T_recorded_->inverse() * *scan.T_odom_base;
-    if (isRigid(T_step)) guesses.insert(guesses.begin(), T_odom_base_ * T_step);
+    if (isRigid(T_step)) guesses.insert(guesses.begin(), {T_odom_base_ * T_step, recordedInformation(T_step)});
   }
-  if (moving_known_) guesses.push_back(T_odom_base_);
+  if (moving_known_) guesses.push_back({T_odom_base_, Matrix6d::Zero()});
   const Cloud few = thinned(source, 500);
   // A later guess must be clearly better: scores of near guesses differ by noise.
   std::size_t best = 0;
   double best_score = 0;
   for (std::size_t i = 0; i < guesses.size(); ++i) {
-    const double score = matchScore(*map_, 1, few, guesses[i], voxel_m_);
-    if (i == 0 || score > 1.1 * best_score) {
+    const double score = matchScore(*map_, 1, few, guesses[i].T_odom_base, voxel_m_);
+    if (i == 0 || score > kGuessBetter * best_score) {
       best = i;
       best_score = score;
     }
   }
   return guesses[best];
+}
+
+Matrix6d VoxelIcp::recordedInformation(const Pose& T_step) const {
+  // Wheels slip and legs stumble: a tenth of the motion, and a floor that lets a bad encoder be overruled.
+  const double sigma_m = 0.2 * voxel_m_ + 0.1 * T_step.translation().norm();
+  const double sigma_rad = 0.03 + 0.1 * rotationAngle(T_step);
+  Vector6d information;
+  information << Eigen::Vector3d::Constant(1 / (sigma_m * sigma_m)),
+      Eigen::Vector3d::Constant(1 / (sigma_rad * sigma_rad));
+  return information.asDiagonal();
 }
 
 // ---- the fit ----
@@ -169,16 +170,18 @@ MatchOptions VoxelIcp::matchOptions() const {
   MatchOptions options;
   options.levels = {0, kLevels - 1};
   options.max_iterations = params_.max_iterations;
-  options.inlier_m = 0.3 * voxel_m_;
+  options.inlier_m = (planar_ ? 0.5 : 0.3) * voxel_m_;
   options.sigma_m = 0.06 * voxel_m_;
   options.planar = planar_;
   return options;
 }
 
-MatchResult VoxelIcp::matchWith(const Cloud& map_points, const Pose& T_odom_base_guess) const {
+MatchResult VoxelIcp::matchWith(const Cloud& map_points, const Guess& guess) const {
   const Cloud source =
       map_points.size() <= kThinAbove ? map_points : selected(map_points, firstPerVoxel(map_points, voxel_m_));
-  return matchScan(*map_, source, T_odom_base_guess, matchOptions(), context_.threads);
+  MatchOptions options = matchOptions();
+  options.guess_information = guess.information;
+  return matchScan(*map_, source, guess.T_odom_base, options, context_.threads);
 }
 
 Vector6d VoxelIcp::twistOf(const Pose& T_previous_base, Stamp stamp) const {
@@ -191,65 +194,88 @@ bool VoxelIcp::moreThanNoise(const Vector6d& twist, double sweep_s) const {
   return sweep_s * twist.head<3>().norm() > 0.04 * voxel_m_ || sweep_s * twist.tail<3>().norm() > 2e-3;
 }
 
-VoxelIcp::Fit VoxelIcp::fitDeskewed(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess) const {
+VoxelIcp::Fit VoxelIcp::fitDeskewed(Prepared& prepared, const Scan& scan, const Guess& guess) const {
   const double sweep_s = sweepDuration(prepared.raw_map_points);
   Fit fit;
   fit.deskewed = true;
-  Pose T_guess = T_odom_base_guess;
+  Guess from = guess;
   // The guessed velocity first; once more with the measured one when they differ (turns, starts, stops).
   for (int round = 0; round < 2; ++round) {
-    const Vector6d twist = twistOf(T_odom_base_.inverse() * T_guess, scan.stamp);
+    const Vector6d twist = twistOf(T_odom_base_.inverse() * from.T_odom_base, scan.stamp);
     if (round > 0 && !moreThanNoise(twist - fit.twist, sweep_s)) break;
     fit.twist = twist;
     prepared.map_points = prepared.raw_map_points;
     deskew(prepared.map_points, twist);
-    fit.match = matchWith(prepared.map_points, T_guess);
-    T_guess = fit.match.T_map_scan;
+    fit.match = matchWith(prepared.map_points, from);
+    from.T_odom_base = fit.match.T_map_scan;
   }
   return fit;
 }
 
-VoxelIcp::Fit VoxelIcp::fitScan(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess) {
+VoxelIcp::Fit VoxelIcp::fitScan(Prepared& prepared, const Scan& scan, const Guess& guess) {
   const bool possible = params_.deskew != "off" && prepared.cloud.hasTime() && !scan.deskewed;
-  const Vector6d twist = twistOf(T_odom_base_.inverse() * T_odom_base_guess, scan.stamp);
+  const Vector6d twist = twistOf(T_odom_base_.inverse() * guess.T_odom_base, scan.stamp);
   if (!possible || (params_.deskew == "auto" && !moreThanNoise(twist, sweepDuration(prepared.raw_map_points)))) {
-    return {matchWith(prepared.map_points, T_odom_base_guess), Vector6d::Zero(), false};
+    return {matchWith(prepared.map_points, guess), Vector6d::Zero(), false};
   }
-  if (params_.deskew == "on") return fitDeskewed(prepared, scan, T_odom_base_guess);
+  if (params_.deskew == "on") return fitDeskewed(prepared, scan, guess);
 
   // auto: constant velocity over a sweep is a claim (and somebody may have compensated the cloud before us), so it is
   // tested against the map, often at first, then now and then.
   constexpr int kTrialsAtFirst = 10, kTrialEvery = 10;
   const bool trial = deskew_trials_ < kTrialsAtFirst || deskew_trials_ % kTrialEvery == 0;
   ++deskew_trials_;
-  if (!trial && deskew_evidence_ < 0)
-    return {matchWith(prepared.map_points, T_odom_base_guess), Vector6d::Zero(), false};
-  if (!trial) return fitDeskewed(prepared, scan, T_odom_base_guess);
-  const Fit plain{matchWith(prepared.raw_map_points, T_odom_base_guess), Vector6d::Zero(), false};
-  const Fit compensated = fitDeskewed(prepared, scan, T_odom_base_guess);
+  if (!trial && deskew_evidence_ < 0) return {matchWith(prepared.map_points, guess), Vector6d::Zero(), false};
+  if (!trial) return fitDeskewed(prepared, scan, guess);
+  const Fit plain{matchWith(prepared.raw_map_points, guess), Vector6d::Zero(), false};
+  const Fit compensated = fitDeskewed(prepared, scan, guess);
   deskew_evidence_ = 0.9 * deskew_evidence_ + (compensated.match.meanScore() - plain.match.meanScore());
   if (deskew_evidence_ >= 0) return compensated;
   prepared.map_points = prepared.raw_map_points;
   return plain;
 }
 
-bool VoxelIcp::poor(const MatchResult& match) const {
-  return match.system.matched < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers ||
-         match.inlierRatio() < kPoorShare * usual_inliers_;
+double VoxelIcp::share(const MatchResult& match) const {
+  if (match.system.inliers < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers) return 0.0;
+  return usual_inliers_ > 0 ? match.inlierRatio() / usual_inliers_ : 1.0;
 }
 
-bool VoxelIcp::surprising(const MatchResult& match, const Pose& T_odom_base_guess) const {
-  const Vector6d d = local(T_odom_base_guess, match.T_map_scan);
-  return d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
+bool VoxelIcp::doubtful(const MatchResult& match, const Pose& T_odom_base_predicted) const {
+  const Vector6d d = local(T_odom_base_predicted, match.T_map_scan);
+  const bool surprising = d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
+  return !moving_known_ || surprising || share(match) < kPoorShare;
 }
 
-MatchResult VoxelIcp::search(const Cloud& source, const Pose& T_odom_base_guess, bool full_turn) const {
+bool VoxelIcp::searched(const Cloud& map_points, const Guess& guess, MatchResult& match,
+                        OdometryQuality& quality) const {
+  const bool recorded = !guess.information.isZero(0.0);
+  const MatchResult near = search(map_points, guess.T_odom_base, recorded ? Reach::kStep : Reach::kNear);
+  if (near.meanScore() > kNearBetter * match.meanScore()) match = near;
+  // A planar scan sees half the room, and recorded odometry would know of a turn: there only a lost scan looks far
+  // away.
+  if (share(match) >= (planar_ || recorded ? kLostShare : kPoorShare)) return false;
+  const MatchResult far = search(map_points, guess.T_odom_base, Reach::kFar);
+  const bool precise = far.system.inliers >= kFarPrecision * far.system.matched;
+  if (!precise || share(far) < kFarShare || far.inlierRatio() < kFarBetter * match.inlierRatio()) return false;
+  match = far;
+  quality.note = "recovered by rotation search";
+  return true;
+}
+
+void VoxelIcp::restartMap(const Cloud& map_points, OdometryQuality& quality) {
+  map_ = emptyMap();
+  map_->insert(map_points, T_odom_base_);
+  usual_inliers_ = 0;
+  lost_ = 0;
+  quality.note += "; local map restarted";
+}
+
+MatchResult VoxelIcp::search(const Cloud& source, const Pose& T_odom_base_guess, Reach reach) const {
   const double coarse_m = voxel_m_ * (1 << (kLevels - 1));
   PoseGrid grid;
-  grid.yaw_range_rad = full_turn ? M_PI : 0.3;
+  grid.yaw_range_rad = reach == Reach::kFar ? M_PI : 0.3;
   grid.yaw_step_rad = 0.07;
-  grid.xy_range_m = 3.0 * coarse_m;
-  grid.candidates = 6;
+  grid.xy_range_m = reach == Reach::kStep ? coarse_m : 3.0 * coarse_m;
   grid.xy_step_m = 0.5 * coarse_m;
   const Cloud thinner = source.size() <= kThinAbove ? source : selected(source, firstPerVoxel(source, voxel_m_));
   return searchAndMatch(*map_, thinner, T_odom_base_guess, grid, matchOptions(), context_.threads);

@@ -35,32 +35,44 @@ class VoxelIcp : public Odometry {
     Cloud cloud;                       ///< frame base, in range, finite
     Cloud raw_map_points, map_points;  ///< thinned, before and after deskewing
   };
+  struct Guess {
+    Pose T_odom_base;
+    Matrix6d information;  ///< of the step; zero: only a place to start from
+  };
   struct Fit {
     MatchResult match;
     Vector6d twist = Vector6d::Zero();  ///< used for deskewing
     bool deskewed = false;
   };
 
+  /// How far a search looks: an error of recorded odometry, of constant velocity, or a half turn.
+  enum class Reach { kStep, kNear, kFar };
+
   SurfacePyramid emptyMap() const;
   void startMap(const Scan& scan, const Prepared& prepared);
   Cloud inRange(const Scan& scan) const;
   void thin(const Cloud& cloud, Cloud& map_points) const;
   Pose predictedStep(Stamp stamp) const;
-  Pose bestGuess(const Scan& scan, const Cloud& source) const;
+  Guess bestGuess(const Scan& scan, const Cloud& source) const;
+  Matrix6d recordedInformation(const Pose& T_step) const;
   Vector6d twistOf(const Pose& T_previous_base, Stamp stamp) const;
   bool moreThanNoise(const Vector6d& twist, double sweep_s) const;
 
-  Fit fitScan(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess);
-  Fit fitDeskewed(Prepared& prepared, const Scan& scan, const Pose& T_odom_base_guess) const;
-  MatchResult matchWith(const Cloud& map_points, const Pose& T_odom_base_guess) const;
-  MatchResult search(const Cloud& source, const Pose& T_odom_base_guess, bool full_turn) const;
-  bool poor(const MatchResult& match) const;
-  bool surprising(const MatchResult& match, const Pose& T_odom_base_guess) const;
+  Fit fitScan(Prepared& prepared, const Scan& scan, const Guess& guess);
+  Fit fitDeskewed(Prepared& prepared, const Scan& scan, const Guess& guess) const;
+  MatchResult matchWith(const Cloud& map_points, const Guess& guess) const;
+  MatchResult search(const Cloud& source, const Pose& T_odom_base_guess, Reach reach) const;
+  /// Inlier ratio as a share of the usual one; 0 when there are too few.
+  double share(const MatchResult& match) const;
+  bool doubtful(const MatchResult& match, const Pose& T_odom_base_predicted) const;
+  /// Looks about the guess and, when nothing near fits, all around. @return the motion was found far from the guess.
+  bool searched(const Cloud& map_points, const Guess& guess, MatchResult& match, OdometryQuality& quality) const;
+  void restartMap(const Cloud& map_points, OdometryQuality& quality);
   MatchOptions matchOptions() const;
 
   /// @param jumped the motion was found by a search: it says nothing about the velocity of the next step.
   void accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out);
-  void lose(const Scan& scan, const std::string& why, OdometryStep& out);
+  void lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out);
   Matrix6d stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const;
 
   Params params_;

@@ -37,11 +37,11 @@ void VoxelIcp::accept(const Scan& scan, const MatchResult& match, bool jumped, O
   out.quality.degenerate_axes = match.degenerate_axes;
 }
 
-void VoxelIcp::lose(const Scan& scan, const std::string& why, OdometryStep& out) {
+void VoxelIcp::lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out) {
   Pose T_previous_base = Pose::Identity();
   if (map_) {
-    T_previous_base = predictedStep(scan.stamp);
-    T_odom_base_ = T_odom_base_ * T_previous_base;
+    T_previous_base = T_odom_base_.inverse() * T_odom_base_guess;
+    T_odom_base_ = T_odom_base_guess;
     stamp_ = scan.stamp;
     T_recorded_ = scan.T_odom_base;
     ++lost_;
