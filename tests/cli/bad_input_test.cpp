@@ -241,7 +241,7 @@ TEST(BadInput, AFullDiskIsOneLineAndTheSessionCanGoOn) {
 
 TEST(BadInput, CtrlCFlushesAValidSessionThatGoesOnToTheSameBytes) {
   const auto folder = test::freshFolder();
-  pcdFolder(folder / "in", 40, 3000);
+  pcdFolder(folder / "in", 30, 20000);
   ASSERT_EQ(run(folder / "in", folder / "undisturbed", "-q").exit_code, 0);
   const pid_t child = fork();
   ASSERT_GE(child, 0);
@@ -251,7 +251,8 @@ TEST(BadInput, CtrlCFlushesAValidSessionThatGoesOnToTheSameBytes) {
     execl(SCSLAM_BINARY, "scslam", "run", (folder / "in").c_str(), "-o", (folder / "s").c_str(), "-q", nullptr);
     _exit(127);
   }
-  while (!fs::exists(folder / "s/Scans/000003.pcd")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 30000 && !fs::exists(folder / "s/Scans/000003.pcd"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   kill(child, SIGINT);
   int status = 0;
   waitpid(child, &status, 0);

@@ -1,4 +1,6 @@
 // tests/pipeline/slam_test.cpp: the whole way on made-up drives whose truth is known.
+#include <atomic>
+
 #include "scslam/apps/evaluate.h"
 #include "scslam/apps/run_job.h"
 #include "scslam/graph/factor_error.h"
@@ -64,9 +66,13 @@ TEST(Slam, ClosesALoopDrivenBackwards) {
 
 TEST(Slam, OwnOdometryMapsTheBlock) {
   const auto folder = test::freshFolder();
-  RunOptions options = externalOdometry(blockDrive(), folder / "s");
-  options.sets.clear();
+  const Drive drive{folder / "in", test::aroundTheBlock(1.0)};
+  test::writeKittiDrive(drive.folder, test::Town(), drive.truth, drive.truth, 25000);
+  RunOptions options = externalOdometry(drive, folder / "s");
+  options.sets = {"odometry.voxel_icp.use_recorded_odometry=false"};
   const RunSummary summary = runJob(options, test::context(2));
+  EXPECT_EQ(summary.counts.lost_scans, 0u);
+  EXPECT_GE(summary.counts.loops, 3u);
   const Evaluation e = evaluate(Session::open(folder / "s"), *summary.ground_truth);
   EXPECT_LT(e.ate.rmse_m, 0.3);
   EXPECT_EQ(e.loops.false_accepted, 0u);
@@ -78,7 +84,7 @@ TEST(Slam, SameBytesForAnyNumberOfThreads) {
     RunOptions options = externalOdometry(blockDrive(), folder / "one");
     if (own) options.sets.clear();
     options.overwrite = true;
-    options.max = 60;
+    options.max = 30;
     runJob(options, test::context(1));
     options.output = folder / "two";
     runJob(options, test::context(2));
@@ -89,13 +95,18 @@ TEST(Slam, SameBytesForAnyNumberOfThreads) {
 TEST(Slam, AStoppedRunIsAWholeSessionAndGoesOnToTheSameBytes) {
   const auto folder = test::freshFolder();
   RunOptions options = externalOdometry(blockDrive(), folder / "undisturbed");
-  options.sets = {"session.checkpoint_every=7"};
+  options.sets.push_back("session.checkpoint_every=7");
   options.max = 50;
   runJob(options, test::context());
+  std::atomic<bool> stop{true};  // before the first scan already
   options.output = folder / "stopped";
-  options.max = 33;
-  runJob(options, test::context());  // as if the recording had ended there
-  EXPECT_EQ(Session::open(folder / "stopped").scans().size(), 33u);
+  options.stop = &stop;
+  EXPECT_EQ(runJob(options, test::context()).end, SessionEnd::kStopped);
+  EXPECT_TRUE(Session::open(folder / "stopped").complete());
+  options.stop = nullptr;
+  options.resume = true;
+  EXPECT_EQ(runJob(options, test::context()).end, SessionEnd::kDone);
+  EXPECT_EQ(contents(folder / "stopped"), contents(folder / "undisturbed"));
 }
 
 TEST(Factors, FloorsLimitTrustAndSingularInformationStaysSingular) {

@@ -34,8 +34,8 @@ std::vector<Pose> withDrift(const std::vector<Pose>& truth, double yaw_deg_per_m
 void writeKittiDrive(const std::filesystem::path& folder, const Town& town, const std::vector<Pose>& truth,
                      const std::vector<Pose>& odometry, std::size_t points = 4000);
 
-/// The content of every file below `folder` by relative name, but for those in `except`.
-std::vector<std::pair<std::string, std::string>> contents(const std::filesystem::path& folder,
-                                                          const std::vector<std::string>& except = {"metrics.json"});
+/// Name, size and checksum of every file below `folder`, sorted, but for those in `except`.
+std::vector<std::string> contents(const std::filesystem::path& folder,
+                                  const std::vector<std::string>& except = {"metrics.json"});
 
 }  // namespace scslam::test
