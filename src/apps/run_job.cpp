@@ -7,31 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "scslam/apps/input_digest.h"
-#include "scslam/core/embedded_configs.h"
-#include "scslam/core/file.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
 #include "scslam/core/progress.h"
 #include "scslam/pipeline/prefetch.h"
+#include "scslam/sensor/sensor_tables.h"
 
 namespace scslam {
 namespace {
-
-SensorModel loadSensor(const std::string& name_or_file) {
-  SensorModel sensor;
-  if (std::filesystem::is_regular_file(name_or_file)) {
-    loadYaml(sensor, readFile(name_or_file, 1 << 20), name_or_file);
-    return sensor;
-  }
-  std::vector<std::string> shipped;
-  for (const auto& [name, text] : embeddedConfigs())
-    if (name.starts_with("sensors/")) shipped.push_back(name.substr(8));
-  const auto found = embeddedConfigs().find("sensors/" + name_or_file);
-  if (found == embeddedConfigs().end())
-    throw usageError("no sensor table is called '{}'{}", name_or_file, didYouMean(name_or_file, shipped));
-  loadYaml(sensor, found->second, "sensors/" + name_or_file + ".yaml");
-  return sensor;
-}
 
 /// Defaults, then the profile that fits the data, then files, then --set.
 SlamParams resolveParams(const RunOptions& options, bool planar, mrpt::system::COutputLogger& log) {
@@ -137,7 +120,7 @@ void loadPlugin(const std::string& library) {
 RunSummary runJob(const RunOptions& options, const PluginContext& context) {
   OpenOptions open;
   open.label = options.label;
-  if (!options.sensor.empty()) open.sensor = loadSensor(options.sensor);
+  if (!options.sensor.empty()) open.sensor = loadSensorModel(options.sensor);
   const OpenedSource opened = openSource(options.input, context, open);
   logInfo(context.log, "input: {} ({}): {}", opened.format, opened.why, opened.source->description());
   return runJob(options, context, *opened.source, opened.format);

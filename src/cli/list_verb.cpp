@@ -1,3 +1,4 @@
+#include "scslam/apps/run_job.h"
 #include "scslam/core/embedded_configs.h"
 #include "scslam/mapping/map_exporter.h"
 #include "scslam/odometry/odometry.h"
@@ -46,7 +47,10 @@ Verb listVerb() {
           [](CLI::App& app) {
             auto kind = std::make_shared<std::string>();
             app.add_option("KIND", *kind, "one of them; all when left out");
-            return [kind](const GlobalOptions&) {
+            auto plugins = std::make_shared<std::vector<std::string>>();
+            app.add_option("--plugin", *plugins, "load a library with plug-ins of your own first");
+            return [kind, plugins](const GlobalOptions&) {
+              for (const auto& plugin : *plugins) loadPlugin(plugin);
               std::vector<std::string> names;
               bool printed = false;
               for (const auto& [name, print] : kinds()) {

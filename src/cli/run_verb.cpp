@@ -6,6 +6,7 @@
 #include "scslam/core/file.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
+#include "scslam/view/top_view_png.h"
 #include "scslam/view/trajectory_svg.h"
 #include "verb.h"
 
@@ -104,14 +105,16 @@ int run(RunFlags flags, const GlobalOptions& global) {
   }
   const auto picture = summary.session / "trajectory.svg";
   writeFileAtomically(picture, trajectorySvg(session, ground_truth));
+  writeFileAtomically(summary.session / "map_top.png", topViewPng(session));
   if (summary.end == SessionEnd::kEndedEarly)
     logWarn(log, "the input ended early: {}; everything before it is kept", summary.end_reason);
-  if (summary.end == SessionEnd::kStopped) logWarn(log, "stopped; the session is complete up to here, --resume goes on");
+  if (summary.end == SessionEnd::kStopped)
+    logWarn(log, "stopped; the session is complete up to here, --resume goes on");
   if (flags.json) {
     fmt::print("{}", summary.metrics_json);
   } else {
     printTable(summary, evaluation);
-    fmt::print("picture: {}\nsession: {}  (map: scslam export {} --format ply)\n", picture.string(),
+    fmt::print("pictures: {}, map_top.png\nsession: {}  (map: scslam export {} --format ply)\n", picture.string(),
                summary.session.string(), summary.session.string());
   }
   return exitCode(summary);

@@ -23,13 +23,13 @@ struct Verb {
 /// The verbs of this binary, in the order of --help (verbs.cpp).
 const std::vector<Verb>& verbs();
 
-__attribute__((weak)) Verb runVerb();
-__attribute__((weak)) Verb evalVerb();
-__attribute__((weak)) Verb optimizeVerb();
-__attribute__((weak)) Verb exportVerb();
-__attribute__((weak)) Verb infoVerb();
-__attribute__((weak)) Verb listVerb();
-__attribute__((weak)) Verb configVerb();
-__attribute__((weak)) Verb doctorVerb();
+Verb runVerb();
+Verb evalVerb();
+Verb optimizeVerb();
+Verb exportVerb();
+Verb infoVerb();
+Verb listVerb();
+Verb configVerb();
+Verb doctorVerb();
 
 }  // namespace scslam::cli

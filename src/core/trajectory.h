@@ -27,7 +27,8 @@ struct Trajectory {
 /// number of columns. Comment lines (#) and blank lines are skipped. @throw inputError with file:line for anything
 /// else.
 Trajectory readTrajectory(const std::filesystem::path& file);
-/// Poses of a reference frame (T_world_reference) to poses of the base: T_world_base = T_world_reference * T_base_reference^-1.
+/// Poses of a reference frame (T_world_reference) to poses of the base: T_world_base = T_world_reference *
+/// T_base_reference^-1.
 Trajectory inBaseFrame(Trajectory trajectory, const Pose& T_base_reference);
 /// TUM, 9-decimal stamps, 17 significant digits.
 std::string formatTum(const std::vector<StampedPose>& poses);

@@ -40,6 +40,11 @@ LoopRecord LoopCloser::verify(const PlaceCandidate& candidate, const std::vector
   record.distance = candidate.distance;
   record.yaw_guess_rad = yawOf(candidate.T_match_query);
 
+  const Pose T_match_query_predicted = T_map_base[match.id].inverse() * T_map_base[query.id];
+  const double travelled_m = query.travelled_m - match.travelled_m;
+  record.reason = implausible(T_match_query_predicted, travelled_m, params_.gates);
+  if (!record.reason.empty()) return record;
+
   const auto members =
       submapMembers(keyframes, match.id, query.id, params_.submap_reach_m, params_.submap_max_each_side);
   registration_->setTarget(
@@ -50,9 +55,8 @@ LoopRecord LoopCloser::verify(const PlaceCandidate& candidate, const std::vector
   record.information = result.hessian;
   record.rmse_m = result.rmse_m, record.inlier_ratio = result.inlier_ratio, record.overlap = result.overlap;
   record.odometry_mahalanobis2 =
-      odometryDisagreement(result.T_target_source, T_map_base[match.id].inverse() * T_map_base[query.id],
-                           pathCovariance(keyframes, match.id, query.id), query.travelled_m - match.travelled_m,
-                           query.planar, params_.gates);
+      odometryDisagreement(result.T_target_source, T_match_query_predicted,
+                           pathCovariance(keyframes, match.id, query.id), travelled_m, query.planar, params_.gates);
 
   record.reason = refusal(result, params_.gates);
   if (record.reason.empty() && record.odometry_mahalanobis2 > params_.gates.max_odometry_mahalanobis2)

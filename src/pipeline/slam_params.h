@@ -67,6 +67,10 @@ struct GraphParams : ParamSetOf<GraphParams> {
   OptimiserParams optimiser;
   double odometry_floor_m = 0.01, odometry_floor_deg = 0.05;
   double loop_floor_m = 0.05, loop_floor_deg = 0.2;
+  GraphParams() {
+    optimiser.init = "file";   // online: odometry has placed the newest keyframe
+    optimiser.robust = "dcs";  // the paper's s_jk
+  }
   void describe(ParamVisitor& visitor) override;
 };
 

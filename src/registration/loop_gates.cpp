@@ -11,11 +11,20 @@ void LoopGateParams::describe(ParamVisitor& v) {
   v.field("min_overlap", min_overlap, "share of the scan's points that must lie in space the submap knows", 0, 1);
   v.field("max_rmse_m", max_rmse_m, "of the inliers along the surface normal [m]", 0, 10);
   v.field("max_degenerate_axes", max_degenerate_axes, "directions of motion that may stay unfixed", 0, 6);
+  v.field("max_offset_m", max_offset_m, "a place recognised is at most this far away [m]", 0, 1000);
   v.field("odometry_sigma_per_m", odometry_sigma_per_m,
           "a loop may disagree with odometry by this per metre, one sigma [m/m]", 0, 10);
   v.field("odometry_sigma_deg_per_m", odometry_sigma_deg_per_m, "and by this angle per metre, one sigma [deg/m]", 0,
           90);
   v.field("max_odometry_mahalanobis2", max_odometry_mahalanobis2, "chi2 bound of that disagreement", 0, 1e9);
+}
+
+std::string implausible(const Pose& T_match_query_predicted, double travelled_m, const LoopGateParams& params) {
+  const double distance = T_match_query_predicted.translation().norm();
+  const double sigma = params.odometry_sigma_per_m * travelled_m;
+  const double limit = params.max_offset_m + std::sqrt(params.max_odometry_mahalanobis2) * sigma;
+  if (distance <= limit) return "";
+  return fmt::format("odometry places it {:.1f} m away, at most {:.1f} m is plausible", distance, limit);
 }
 
 std::string refusal(const RegistrationResult& result, const LoopGateParams& params) {

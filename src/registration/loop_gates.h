@@ -8,15 +8,20 @@
 namespace scslam {
 
 struct LoopGateParams : ParamSetOf<LoopGateParams> {
-  double min_inlier_ratio = 0.9;
+  double min_inlier_ratio = 0.92;
   double min_overlap = 0.75;
-  double max_rmse_m = 0.1;
+  double max_rmse_m = 0.15;
   int max_degenerate_axes = 2;
+  double max_offset_m = 10;
   double odometry_sigma_per_m = 0.05;  ///< trust in odometry for the plausibility gate
   double odometry_sigma_deg_per_m = 0.3;
   double max_odometry_mahalanobis2 = 16.8;  ///< chi2, 6 degrees of freedom, 99 %
   void describe(ParamVisitor& visitor) override;
 };
+
+/// Why a candidate need not be registered at all: odometry places the query so far from the match that, with the
+/// per-metre trust, it cannot be within max_offset_m of it. Empty when it may be.
+std::string implausible(const Pose& T_match_query_predicted, double travelled_m, const LoopGateParams& params);
 
 /// Why `result` is refused, with the figure ("overlap 0.31 < 0.50"); empty when it passes.
 std::string refusal(const RegistrationResult& result, const LoopGateParams& params);

@@ -50,8 +50,9 @@ std::vector<float> readRow(std::string_view line, const std::string& where) {
 }  // namespace
 
 std::vector<std::string> allNames() {
-  return {kScans, kDescriptors, kOptimisedPoses, kOdometryPoses, kTimes,   kPoseGraph,  kTrajectory, kOdometry,
-          kLoops, kMetrics,     kConfig,         kLog,           kJournal, kCheckpoint, "map",       kManifest};
+  return {kScans,      kDescriptors, kOptimisedPoses,  kOdometryPoses, kTimes,   kPoseGraph,
+          kTrajectory, kOdometry,    kLoops,           kMetrics,       kConfig,  kLog,
+          kJournal,    kCheckpoint,  "trajectory.svg", "map",          kManifest};
 }
 
 std::filesystem::path scanFile(const std::filesystem::path& folder, KeyframeId k) {

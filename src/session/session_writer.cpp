@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "scslam/core/bytes.h"
 #include "scslam/core/error.h"
@@ -40,25 +41,38 @@ class FolderWriter final : public SessionWriter {
   }
 
   void addScan(const ScanRecord& scan) override {
-    journal_.append(scan);
+    guarded([&] { journal_.append(scan); });
     contents_.scans.push_back(scan);
   }
   void addKeyframe(const Keyframe& keyframe, const Pose& T_map_base, const Cloud& cloud_sensor,
                    const Descriptor& descriptor) override;
   void addLoop(const LoopRecord& loop) override {
-    journal_.append(loop);
+    guarded([&] { journal_.append(loop); });
     contents_.loops.push_back(loop);
   }
   void setPoses(const std::vector<Pose>& T_map_base) override;
-  void logLine(const std::string& line) override { log_.append(line + "\n"); }
+  void logLine(const std::string& line) override {
+    guarded([&] { log_.append(line + "\n"); });
+  }
   void checkpoint(const std::string& pipeline_state) override;
   void finish(const PoseGraph& graph, SessionEnd end) override;
   void writeMetrics(const std::string& json) override { writeFileAtomically(folder_ / layout::kMetrics, json); }
   const fs::path& folder() const override { return folder_; }
 
  private:
+  /// After a failed write the session stands as it is, resumable; every later call repeats that error.
+  template <class Write>
+  void guarded(const Write& write) {
+    if (failure_) throw Error(*failure_);
+    try {
+      write();
+    } catch (const Error& error) {
+      failure_ = error;
+      throw;
+    }
+  }
   void recordPoses();
-  void syncScans();
+  void syncToDisk();
   void refreshTexts();
 
   fs::path folder_;
@@ -67,37 +81,42 @@ class FolderWriter final : public SessionWriter {
   JournalContents contents_;
   Journal journal_;
   AppendFile log_;
+  std::optional<Error> failure_;
   std::size_t next_refresh_ = 0;  ///< number of keyframes at which the text files are written again
   std::size_t synced_ = 0;        ///< keyframes whose files are on the disk
 };
 
 void FolderWriter::addKeyframe(const Keyframe& keyframe, const Pose& T_map_base, const Cloud& cloud_sensor,
                                const Descriptor& descriptor) {
+  guarded([] {});
   if (keyframe.id != contents_.keyframes.size())
     throw Error(ExitCode::kBug, fmt::format("keyframe {} after {} keyframes", keyframe.id, contents_.keyframes.size()));
   const std::string scan = encodePcd(cloud_sensor);
   const std::string scd = layout::formatDescriptor(descriptor);
-  replaceFile(layout::scanFile(folder_, keyframe.id), scan);
-  replaceFile(layout::descriptorFile(folder_, keyframe.id), scd);
   const KeyframeFiles files{cloud_sensor.size(), scan.size(), scd.size(), crc32Of(scan), crc32Of(scd)};
-  journal_.append(keyframe, T_map_base, files);
+  guarded([&] {
+    replaceFile(layout::scanFile(folder_, keyframe.id), scan);
+    replaceFile(layout::descriptorFile(folder_, keyframe.id), scd);
+    journal_.append(keyframe, T_map_base, files);
+  });
   contents_.keyframes.push_back(keyframe);
   contents_.T_map_base.push_back(T_map_base);
   contents_.files.push_back(files);
   contents_.scan_bytes += files.scan_bytes;
-  if (contents_.keyframes.size() >= next_refresh_) refreshTexts();
+  if (contents_.keyframes.size() >= next_refresh_) guarded([this] { refreshTexts(); });
 }
 
 void FolderWriter::setPoses(const std::vector<Pose>& T_map_base) {
+  guarded([] {});
   if (T_map_base.size() != contents_.keyframes.size())
     throw Error(ExitCode::kBug,
                 fmt::format("{} poses for {} keyframes", T_map_base.size(), contents_.keyframes.size()));
   contents_.T_map_base = T_map_base;
   const std::uint64_t bytes = 17 + 96 * T_map_base.size();
   if (contents_.pose_bytes + bytes <= std::max(kPoseBytesFloor, contents_.scan_bytes / kPoseShare)) {
-    recordPoses();
+    guarded([this] { recordPoses(); });
   } else if (!contents_.poses_deferred) {
-    journal_.appendPosesDeferred();
+    guarded([this] { journal_.appendPosesDeferred(); });
     contents_.poses_deferred = true;
   }
 }
@@ -109,8 +128,8 @@ void FolderWriter::recordPoses() {
   contents_.poses_deferred = false;
 }
 
-/// Scans reach the disk before a checkpoint that relies on them.
-void FolderWriter::syncScans() {
+/// Everything recorded reaches the disk before a checkpoint that relies on it.
+void FolderWriter::syncToDisk() {
   for (; synced_ < contents_.keyframes.size(); ++synced_) {
     const auto k = static_cast<KeyframeId>(synced_);
     for (const fs::path& file : {layout::scanFile(folder_, k), layout::descriptorFile(folder_, k)}) {
@@ -120,6 +139,8 @@ void FolderWriter::syncScans() {
       ::close(fd);
     }
   }
+  journal_.sync();
+  log_.sync();
 }
 
 void FolderWriter::refreshTexts() {
@@ -130,28 +151,31 @@ void FolderWriter::refreshTexts() {
 }
 
 void FolderWriter::checkpoint(const std::string& pipeline_state) {
-  syncScans();
-  journal_.sync();
-  log_.sync();
-  writeCheckpoint(folder_ / layout::kCheckpoint, {journal_.size(), log_.size(), contents_.T_map_base, pipeline_state});
-  refreshTexts();
+  guarded([&] {
+    syncToDisk();
+    writeCheckpoint(folder_ / layout::kCheckpoint,
+                    {journal_.size(), log_.size(), contents_.T_map_base, pipeline_state});
+    refreshTexts();
+  });
 }
 
 void FolderWriter::finish(const PoseGraph& graph, SessionEnd end) {
-  const auto same = [](const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); };
+  guarded([] {});
   if (graph.poses.size() != contents_.keyframes.size())
     throw Error(ExitCode::kBug,
                 fmt::format("{} poses for {} keyframes", graph.poses.size(), contents_.keyframes.size()));
-  if (contents_.poses_deferred ||
-      !std::equal(graph.poses.begin(), graph.poses.end(), contents_.T_map_base.begin(), same)) {
-    contents_.T_map_base = graph.poses;
-    recordPoses();
-  }
-  syncScans();
-  journal_.sync();
-  log_.sync();
-  writeTextFiles(folder_, info_, contents_, graph, true);
-  if (end != SessionEnd::kStopped) fs::remove(folder_ / layout::kCheckpoint);
+  const auto same = [](const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); };
+  guarded([&] {
+    if (contents_.poses_deferred ||
+        !std::equal(graph.poses.begin(), graph.poses.end(), contents_.T_map_base.begin(), same)) {
+      contents_.T_map_base = graph.poses;
+      recordPoses();
+    }
+    syncToDisk();
+    writeTextFiles(folder_, info_, contents_, graph, true);
+  });
+  std::error_code ignored;  // a checkpoint that cannot be removed does no harm
+  if (end != SessionEnd::kStopped) fs::remove(folder_ / layout::kCheckpoint, ignored);
 }
 
 /// The first line in which two configurations differ, for the message.

@@ -40,6 +40,8 @@ enum class SessionEnd {
   kStopped,     ///< by the user: whole as it is, and --resume can go on from its last checkpoint
 };
 
+/// A write that fails (disk full) throws an Error; the session then stands, resumable, and every later call repeats
+/// that error.
 class SessionWriter {
  public:
   /// Starts a new session in `folder`.
@@ -49,7 +51,8 @@ class SessionWriter {
   /// be written.
   static std::unique_ptr<SessionWriter> create(const std::filesystem::path& folder, const SessionInfo& info,
                                                bool overwrite);
-  /// Opens a session that was stopped or killed, cuts everything after its last checkpoint off, and returns what stands.
+  /// Opens a session that was stopped or killed, cuts everything after its last checkpoint off, and returns what
+  /// stands.
   /// @throw usageError when there is none, it is complete, or it was made from another input or configuration.
   static std::unique_ptr<SessionWriter> resume(const std::filesystem::path& folder, const SessionInfo& info,
                                                RecoveredSession& recovered);

@@ -7,11 +7,11 @@
 namespace scslam {
 namespace {
 
-constexpr double kTickPixels = 85;  // wished distance of grid lines
+constexpr double kTickPixels = 85;  // wished distance of grid lines; less where the plot is low
 
 /// Nice multiples inside [low, high].
-std::vector<double> ticks(double low, double high, double pixels_per_unit) {
-  const double step = niceNumber(kTickPixels / pixels_per_unit);
+std::vector<double> ticks(double low, double high, double size_px) {
+  const double step = niceNumber(std::min(kTickPixels, size_px / 5) * (high - low) / size_px);
   std::vector<double> values;
   for (double i = std::ceil(low / step); i * step <= high; ++i) values.push_back(i * step + 0.0);
   return values;
@@ -78,12 +78,12 @@ std::string SvgPlot::grid(const std::string& x_label, const std::string& y_label
       page_.x, page_.y, page_.width, page_.height);
   std::string labels = "<g class='label'>\n";
   const double bottom = page_.y + page_.height, right = page_.x + page_.width;
-  for (const double x : ticks(min_.x(), max_.x(), scale_.x())) {
+  for (const double x : ticks(min_.x(), max_.x(), page_.width)) {
     const double px = toPage({x, 0}).x();
     svg += fmt::format("<path d='M{:.1f} {:.1f}V{:.1f}'/>\n", px, page_.y, bottom);
     labels += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:g}</text>\n", px, bottom + 15, x);
   }
-  for (const double y : ticks(min_.y(), max_.y(), std::min(scale_.y(), 2.5 * scale_.y()))) {
+  for (const double y : ticks(min_.y(), max_.y(), page_.height)) {
     const double py = toPage({0, y}).y();
     svg += fmt::format("<path d='M{:.1f} {:.1f}H{:.1f}'/>\n", page_.x, py, right);
     labels += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:g}</text>\n", page_.x - 6, py + 4, y);

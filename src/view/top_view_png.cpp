@@ -12,6 +12,7 @@ namespace scslam {
 namespace {
 
 constexpr Rgb kBackground = {13, 17, 23}, kTrack = {255, 255, 255}, kCasing = {13, 17, 23}, kStart = {87, 242, 135};
+constexpr double kLongest = 3;  // longer side : shorter side, at most
 /// Low to high, even steps.
 constexpr std::array<Rgb, 6> kPalette = {
     {{58, 90, 200}, {38, 150, 190}, {60, 190, 130}, {190, 210, 70}, {250, 165, 60}, {255, 110, 90}}};
@@ -70,10 +71,13 @@ Extent survey(const Session& session) {
   }
   Extent extent;
   extent.points = sampled > 0 ? 7.0 * static_cast<double>(reach.size() * n) / static_cast<double>(sampled) : 0;
-  const double margin = std::clamp(quantile(reach, 0.97), 2.0, 80.0);
+  const double margin = 1.1 * std::clamp(quantile(reach, 0.97), 2.0, 80.0);
   bounds.pad(0, 0);
-  extent.min = bounds.min.array() - margin;
-  extent.max = bounds.max.array() + margin;
+  bounds.min.array() -= margin;
+  bounds.max.array() += margin;
+  bounds.pad((bounds.max - bounds.min).maxCoeff() / kLongest, 0);
+  extent.min = bounds.min;
+  extent.max = bounds.max;
   extent.low = quantile(heights, 0.03);
   extent.high = quantile(heights, 0.97);
   return extent;
@@ -84,7 +88,8 @@ class TopView {
   TopView(const Session& session, const TopViewOptions& options) : session_(session), extent_(survey(session)) {
     const Eigen::Vector2d size = extent_.max - extent_.min;
     // About as many pixels as there are points, so that a single scan is no dust on a huge canvas.
-    const double side = std::clamp(std::sqrt(extent_.points), 500.0, static_cast<double>(options.max_pixels));
+    const double wished = std::sqrt(extent_.points * size.maxCoeff() / size.minCoeff());
+    const double side = std::max(wished, 500.0);
     pixel_m_ = size.maxCoeff() / std::min(side, static_cast<double>(options.max_pixels));
     width_ = std::max(1, static_cast<int>(std::floor(size.x() / pixel_m_)));
     height_ = std::max(1, static_cast<int>(std::floor(size.y() / pixel_m_)));

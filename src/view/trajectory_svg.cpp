@@ -127,7 +127,10 @@ std::string legend(const Session& session, bool with_truth, double y) {
 }
 
 std::string heading(const Session& session, const std::optional<Evaluation>& evaluation, const Track& track) {
-  const auto path = std::filesystem::absolute(session.folder()).lexically_normal();
+  // Named after the input, not the folder: the same run gives the same page wherever it is put.
+  const std::string& input = session.info().input;
+  const auto path =
+      std::filesystem::absolute(input.empty() ? session.folder() : std::filesystem::path(input)).lexically_normal();
   const std::string name = (path.has_filename() ? path : path.parent_path()).filename().string();
   std::string facts = fmt::format("{} scans, {} keyframes, {:.{}f} m", session.scans().size(),
                                   session.keyframes().size(), track.side.empty() ? 0.0 : track.side.back().x(),

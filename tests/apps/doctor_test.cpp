@@ -5,6 +5,7 @@
 #include "scslam/core/file.h"
 #include "session/folder_bytes.h"
 #include "session/made_up_session.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -16,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 fs::path soundSession() {
-  const fs::path folder = freshFolder() / "s";
+  const fs::path folder = memoryFolder() / "s";
   const MadeUpSession made;
   made.tellAll(*SessionWriter::create(folder, made.info, false));
   return folder;
@@ -91,7 +92,7 @@ TEST(Doctor, RepairKeepsTheReadablePartOfADamagedJournal) {
 }
 
 TEST(Doctor, KilledSessionIsSoundAndSaysWhereItGoesOn) {
-  const fs::path root = freshFolder();
+  const fs::path root = memoryFolder();
   const MadeUpSession made;
   const auto writer = SessionWriter::create(root / "live", made.info, false);
   int events = 0;
@@ -106,7 +107,7 @@ TEST(Doctor, KilledSessionIsSoundAndSaysWhereItGoesOn) {
   EXPECT_THAT(all, HasSubstr("torn"));
 }
 
-TEST(Doctor, AnyOtherFolderIsAnError) { EXPECT_THROW(examine(freshFolder()), Error); }
+TEST(Doctor, AnyOtherFolderIsAnError) { EXPECT_THROW(examine(memoryFolder()), Error); }
 
 TEST(Doctor, CommandLineEndsInThreeUntilItIsRepaired) {
   const fs::path folder = soundSession();

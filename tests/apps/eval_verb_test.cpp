@@ -2,6 +2,7 @@
 
 #include "apps/session_of.h"
 #include "scslam/core/file.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -11,7 +12,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 struct Case {
-  fs::path folder = freshFolder();
+  fs::path folder = memoryFolder();
   std::string session = (folder / "s").string(), truth = (folder / "truth.txt").string();
   Case() {
     SessionParts parts;

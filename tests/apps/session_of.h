@@ -12,7 +12,7 @@ namespace scslam::test {
 
 struct SessionParts {
   std::vector<Pose> odometry, optimised;  ///< T_odom_base, T_map_base; equally many
-  std::vector<LoopRecord> loops;          ///< in any order
+  std::vector<LoopRecord> loops = {};     ///< in any order
   std::function<Cloud(std::size_t k)> cloud_sensor = [](std::size_t) { return Cloud{}; };
   Pose T_base_sensor = Pose::Identity();
   bool planar = false;

@@ -9,6 +9,7 @@
 #include "scslam/session/session.h"
 #include "session/folder_bytes.h"
 #include "session/made_up_session.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 std::map<std::string, std::string> undisturbed() {
-  const fs::path folder = freshFolder() / "undisturbed";
+  const fs::path folder = memoryFolder() / "undisturbed";
   const MadeUpSession made;
   made.tellAll(*SessionWriter::create(folder, made.info, false));
   return bytesOf(folder);
@@ -51,7 +52,7 @@ std::vector<fs::path> snapshots(const fs::path& root) {
 
 TEST(Crash, KilledAfterAnyEventTheSessionOpensWithEverythingToldSoFar) {
   std::size_t scans = 0, keyframes = 0;
-  for (const fs::path& copy : snapshots(freshFolder())) {
+  for (const fs::path& copy : snapshots(memoryFolder())) {
     const Session session = Session::open(copy);
     EXPECT_FALSE(session.complete());
     EXPECT_GE(session.scans().size(), scans);
@@ -65,7 +66,7 @@ TEST(Crash, KilledAfterAnyEventTheSessionOpensWithEverythingToldSoFar) {
 
 TEST(Crash, ResumedAfterAnyEventTheRunEndsInTheSameBytes) {
   const auto expected = undisturbed();
-  for (const fs::path& copy : snapshots(freshFolder())) {
+  for (const fs::path& copy : snapshots(memoryFolder())) {
     resumeAndFinish(copy);
     const auto bytes = bytesOf(copy);
     ASSERT_EQ(namesIn(bytes), namesIn(expected)) << copy;
@@ -75,7 +76,7 @@ TEST(Crash, ResumedAfterAnyEventTheRunEndsInTheSameBytes) {
 
 TEST(Crash, HalfWrittenFilesDoNotDisturbAResume) {
   const auto expected = undisturbed();
-  const fs::path copy = snapshots(freshFolder())[40];
+  const fs::path copy = snapshots(memoryFolder())[40];
   for (const char* name : {"Scans/000017.pcd", "Scans/000002.pcd.tmp", "SCDs/000017.scd", "times.txt.tmp"})
     writeFileAtomically(copy / name, "half");
   AppendFile(copy / "journal.bin", fs::file_size(copy / "journal.bin")).append("torn record");
@@ -84,7 +85,7 @@ TEST(Crash, HalfWrittenFilesDoNotDisturbAResume) {
 }
 
 TEST(Crash, JournalCutAtAnyByteIsAPrefix) {
-  const fs::path copy = snapshots(freshFolder()).back();
+  const fs::path copy = snapshots(memoryFolder()).back();
   const std::string journal = readFile(copy / "journal.bin");
   const JournalContents whole = readJournal(copy / "journal.bin");
   std::size_t scans = 0;
@@ -103,7 +104,7 @@ TEST(Crash, JournalCutAtAnyByteIsAPrefix) {
 }
 
 TEST(Crash, FlippedByteEndsTheJournalThereAndNeverCrashes) {
-  const fs::path copy = snapshots(freshFolder()).back();
+  const fs::path copy = snapshots(memoryFolder()).back();
   const std::string journal = readFile(copy / "journal.bin");
   for (std::size_t i = 12; i < journal.size(); i += 11) {
     std::string damaged = journal;
@@ -130,7 +131,7 @@ TEST(Crash, DamagedCompleteSessionIsReportedNotShortened) {
 }
 
 TEST(Crash, ResumeRefusesAnotherInputConfigurationOrACompleteSession) {
-  const fs::path root = freshFolder();
+  const fs::path root = memoryFolder();
   const fs::path copy = snapshots(root)[20];
   RecoveredSession recovered;
   const auto refusal = [&](const fs::path& folder, const SessionInfo& info) -> std::string {
@@ -173,7 +174,7 @@ TEST(Crash, FullDiskIsOneErrorAndTheSessionResumes) {
   const std::size_t largest = expected.at("journal.bin").size();
   int failures = 0;
   for (std::size_t limit = 700; limit < largest; limit += 509) {
-    const fs::path folder = freshFolder() / "s";
+    const fs::path folder = memoryFolder() / "s";
     std::string message;
     try {
       const auto writer = SessionWriter::create(folder, made.info, false);
@@ -189,6 +190,30 @@ TEST(Crash, FullDiskIsOneErrorAndTheSessionResumes) {
     ASSERT_EQ(bytesOf(folder), expected) << limit;
   }
   EXPECT_GT(failures, 5);
+}
+
+TEST(Crash, AfterAFailedWriteEveryCallRepeatsThatError) {
+  const fs::path folder = memoryFolder() / "s";
+  const MadeUpSession made;
+  const auto writer = SessionWriter::create(folder, made.info, false);
+  std::string message;
+  try {
+    const FileSizeLimit full(900);
+    made.tellAll(*writer);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  PoseGraph three_poses;
+  three_poses.poses.resize(3, Pose::Identity());
+  for (const auto& call : std::vector<std::function<void()>>{[&] { writer->addScan({}); },
+                                                             [&] { writer->finish(three_poses, SessionEnd::kDone); }}) {
+    try {
+      call();
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.what(), message);
+    }
+  }
 }
 
 TEST(Crash, PosesThatWereNotRecordedAreChainedByOdometry) {

@@ -8,6 +8,7 @@
 #include "scslam/session/session.h"
 #include "session/folder_bytes.h"
 #include "session/made_up_session.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -29,7 +30,7 @@ std::string messageOf(const std::function<void()>& action, ExitCode code) {
 }
 
 fs::path written(const std::string& name = "s") {
-  const fs::path folder = freshFolder() / name;
+  const fs::path folder = memoryFolder() / name;
   const MadeUpSession session;
   session.tellAll(*SessionWriter::create(folder, session.info, false));
   return folder;
@@ -140,7 +141,7 @@ TEST(SessionWriter, ExistingSessionIsReplacedOnlyWhenAsked) {
 }
 
 TEST(SessionWriter, FolderThatIsNoSessionIsNeverTouched) {
-  const fs::path folder = freshFolder();
+  const fs::path folder = memoryFolder();
   writeFileAtomically(folder / "thesis.tex", "years of work");
   fs::create_directories(folder / "Scans");
   writeFileAtomically(folder / "Scans/000000.pcd", "a classic scan");
@@ -152,8 +153,8 @@ TEST(SessionWriter, FolderThatIsNoSessionIsNeverTouched) {
 
 TEST(SessionWriter, EmptyFolderAndMissingParentsAreFine) {
   const MadeUpSession made;
-  EXPECT_NO_THROW(made.tellAll(*SessionWriter::create(freshFolder(), made.info, false)));
-  EXPECT_NO_THROW(made.tellAll(*SessionWriter::create(freshFolder() / "a/b/c", made.info, false)));
+  EXPECT_NO_THROW(made.tellAll(*SessionWriter::create(memoryFolder(), made.info, false)));
+  EXPECT_NO_THROW(made.tellAll(*SessionWriter::create(memoryFolder() / "a/b/c", made.info, false)));
 }
 
 TEST(SessionWriter, NeverRemovesItsOwnInput) {
@@ -168,7 +169,7 @@ TEST(SessionWriter, NeverRemovesItsOwnInput) {
 }
 
 TEST(SessionWriter, SecondWriterIsKeptOff) {
-  const fs::path folder = freshFolder() / "s";
+  const fs::path folder = memoryFolder() / "s";
   const MadeUpSession made;
   const auto writer = SessionWriter::create(folder, made.info, false);
   EXPECT_THAT(messageOf([&] { SessionWriter::create(folder, made.info, true); }, ExitCode::kUsage),
@@ -176,7 +177,7 @@ TEST(SessionWriter, SecondWriterIsKeptOff) {
 }
 
 TEST(SessionWriter, EmptySessionIsASession) {
-  const fs::path folder = freshFolder() / "s";
+  const fs::path folder = memoryFolder() / "s";
   SessionWriter::create(folder, MadeUpSession().info, false)->finish({}, SessionEnd::kDone);
   const Session session = Session::open(folder);
   EXPECT_TRUE(session.complete());
@@ -217,7 +218,7 @@ TEST(Session, ClassicLoopsAreTheEdgesThatSkip) {
 }
 
 TEST(Session, SaysWhatAFolderLacks) {
-  const fs::path folder = freshFolder();
+  const fs::path folder = memoryFolder();
   EXPECT_THAT(messageOf([&] { Session::open(folder); }, ExitCode::kInput), HasSubstr("is no session"));
   EXPECT_THAT(messageOf([&] { Session::open(folder / "nowhere"); }, ExitCode::kInput), HasSubstr("does not exist"));
 }

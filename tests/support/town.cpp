@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 
+#include "scslam/core/bytes.h"
 #include "scslam/core/file.h"
 
 namespace scslam::test {
@@ -16,7 +17,7 @@ double unit(std::mt19937& random) { return static_cast<double>(random()) / 42949
 
 void addBox(Cloud& world, std::mt19937& random, const Eigen::Vector3d& lo, const Eigen::Vector3d& size) {
   const double side = 2 * (size.x() + size.y()) * size.z(), top = size.x() * size.y();
-  const auto n = static_cast<int>((side + top) * 12);
+  const auto n = static_cast<int>((side + top) * 40);
   for (int i = 0; i < n; ++i) {
     const double a = unit(random), b = unit(random), pick = unit(random) * (side + top);
     Eigen::Vector3d p = lo;
@@ -48,7 +49,7 @@ std::uint32_t mixed(std::uint32_t a, std::uint32_t b) {
 
 Town::Town(std::uint32_t seed) {
   std::mt19937 random(seed);
-  for (int i = 0; i < 160000; ++i)
+  for (int i = 0; i < 400000; ++i)
     world_.push(static_cast<float>(-60 + 160 * unit(random)), static_cast<float>(-60 + 140 * unit(random)), 0.0f);
   // Buildings inside and outside the block's street (a ring road around x 0..44, y 0..28), of different sizes and gaps.
   for (int i = 0; i < 70; ++i) {
@@ -160,14 +161,14 @@ void writeKittiDrive(const std::filesystem::path& folder, const Town& town, cons
   writeFileAtomically(folder / "odometry.txt", formatKitti(odometry));
 }
 
-std::vector<std::pair<std::string, std::string>> contents(const std::filesystem::path& folder,
-                                                          const std::vector<std::string>& except) {
-  std::vector<std::pair<std::string, std::string>> result;
+std::vector<std::string> contents(const std::filesystem::path& folder, const std::vector<std::string>& except) {
+  std::vector<std::string> result;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     const std::string name = std::filesystem::relative(entry.path(), folder).string();
-    if (std::find(except.begin(), except.end(), name) == except.end())
-      result.emplace_back(name, readFile(entry.path()));
+    if (std::find(except.begin(), except.end(), name) != except.end()) continue;
+    const std::string bytes = readFile(entry.path());
+    result.push_back(fmt::format("{}: {} bytes, CRC {:08x}", name, bytes.size(), crc32Of(bytes)));
   }
   std::sort(result.begin(), result.end());
   return result;

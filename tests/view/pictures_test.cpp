@@ -7,6 +7,7 @@
 #include "scslam/view/svg_plot.h"
 #include "scslam/view/top_view_png.h"
 #include "scslam/view/trajectory_svg.h"
+#include "session/memory_folder.h"
 #include "support/support.h"
 
 namespace scslam::test {
@@ -55,7 +56,7 @@ TEST(TrajectorySvg, ShowsAllThreeTracksLoopsAndTheAte) {
   LoopRecord refused = parts.loops[0];
   refused.accepted = false;
   parts.loops.push_back(refused);
-  const Session session = sessionOf(freshFolder() / "a<b & c", parts);
+  const Session session = sessionOf(memoryFolder() / "a<b & c", parts);
   const std::string svg = trajectorySvg(session, untimed(parts.optimised));
   EXPECT_THAT(svg, HasSubstr("ATE 0.000 m, odometry "));
   EXPECT_THAT(svg, HasSubstr("a&lt;b &amp; c"));
@@ -72,7 +73,7 @@ TEST(TrajectorySvg, StaysOnItsPageForOnePoseALineAndNone) {
   line.odometry = line.optimised;
   all.push_back(line);
   for (std::size_t n = 0; n < all.size(); ++n) {
-    const std::string svg = trajectorySvg(sessionOf(freshFolder() / "s", all[n]));
+    const std::string svg = trajectorySvg(sessionOf(memoryFolder() / "s", all[n]));
     EXPECT_THAT(svg, Not(HasSubstr("nan")));
     EXPECT_THAT(svg, Not(HasSubstr("inf")));
     for (const double value : pathNumbers(svg)) {
@@ -94,7 +95,7 @@ TEST(TrajectorySvg, AMetreIsAsLongInXAsInY) {
 }
 
 TEST(TopView, IsAPictureOfTheSizeAskedForAndTheSameEachTime) {
-  const Session session = sessionOf(freshFolder() / "s", circle(30));
+  const Session session = sessionOf(memoryFolder() / "s", circle(30));
   TopViewOptions options;
   options.max_pixels = 700;
   const std::string png = topViewPng(session, options);
@@ -108,7 +109,7 @@ TEST(TopView, IsAPictureOfTheSizeAskedForAndTheSameEachTime) {
 
 TEST(TopView, WorksForOneKeyframeAndForNone) {
   for (const std::size_t n : {0u, 1u}) {
-    const Decoded picture(topViewPng(sessionOf(freshFolder() / "s", circle(n))));
+    const Decoded picture(topViewPng(sessionOf(memoryFolder() / "s", circle(n))));
     EXPECT_GE(picture.image.width, 1u);
   }
 }

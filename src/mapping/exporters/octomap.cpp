@@ -69,11 +69,22 @@ class OctomapExporter final : public MapExporter {
     tree_->prune();
     // .ot first: writing .bt rounds every probability to occupied or free.
     const auto ot = writeTree(folder_ / "map.ot", [&](std::ostream& out) { return tree_->write(out); });
-    const auto bt = writeTree(folder_ / "map.bt", [&](std::ostream& out) { return tree_->writeBinary(out); });
+    const auto bt = writeTree(folder_ / "map.bt", [&](std::ostream& out) { return writeBinary(out); });
     return {bt, ot};
   }
 
  private:
+  /// As OcTree::writeBinary() does, which also prints on stderr.
+  bool writeBinary(std::ostream& out) {
+    tree_->toMaxLikelihood();
+    tree_->prune();
+    out << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it is!)\n"
+        << fmt::format("#\nid {}\nsize {}\nres {}\ndata\n", tree_->getTreeType(), tree_->size(),
+                       tree_->getResolution());
+    if (tree_->getRoot() != nullptr) tree_->writeBinaryNode(out, tree_->getRoot());
+    return out.good();
+  }
+
   /// Beyond its key range the library drops rays with nothing but a line on stderr.
   void checkExtent(const Eigen::Vector3d& origin) const {
     const double reach = origin.cwiseAbs().maxCoeff() + params_.max_range_m;

@@ -56,7 +56,8 @@ class VoxelPlanes : public Registration {
     result.T_target_source = match.T_map_scan;
     result.converged = match.converged && match.inlierRatio() > 0.05;
     result.iterations = match.iterations;
-    result.inlier_ratio = match.inlierRatio();
+    const MatchSystem& system = match.system;
+    result.inlier_ratio = system.matched > 0 ? static_cast<double>(system.inliers) / system.matched : 0.0;
     result.overlap = overlap(thin, match.T_map_scan);
     result.rmse_m = match.rmse();
     result.degenerate_axes = match.degenerate_axes;
