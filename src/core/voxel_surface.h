@@ -28,9 +28,18 @@ struct Surfel {
 struct SurfelRules {
   int min_points = 5;
   int max_points = 200;       ///< a full voxel takes no more points: the first drive anchors the map
-  float max_flatness = 0.1f;  ///< smallest / middle eigenvalue of the covariance
+  float max_flatness = 0.3f;  ///< smallest / middle eigenvalue of the covariance
   float min_spread = 0.005f;  ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
   bool planar = false;        ///< 2-D data: lines in the x-y plane, normals horizontal
+
+  /// What was found best on recordings. A planar scan has few points and a cluttered room few clean lines: there a
+  /// rough line, with its variance, is worth more than none.
+  static SurfelRules of(bool planar) {
+    SurfelRules rules;
+    rules.planar = planar;
+    if (planar) rules.min_points = 3, rules.max_flatness = 0.35f;
+    return rules;
+  }
 };
 
 /// A point's place relative to voxels: everything stays small numbers, whatever the distance from the map's origin.

@@ -16,9 +16,9 @@ constexpr int kLostBeforeRestart = 5;
 // Shares of the usual inlier ratio. A scan that looks into new country has few points on the map and yet fits: a poor
 // share is a reason to search, only a very poor one to give up, and a far place must fit nearly as well as usual.
 constexpr double kPoorShare = 0.7, kLostShare = 0.4, kFarShare = 0.75;
-constexpr double kNearBetter = 1.15, kFarBetter = 1.3;  // than the fit at the guess
-constexpr double kGuessBetter = 1.1;                    // than the guess before it
-constexpr double kFarPrecision = 0.75;                  // inliers among the matched points of a far place
+constexpr double kNearBetter = 1.15, kFarBetter = 1.3;     // than the fit at the guess
+constexpr double kGuessBetter = 1.1, kThanRecorded = 1.6;  // than the guess before it, than recorded odometry
+constexpr double kFarPrecision = 0.75;                     // inliers among the matched points of a far place
 constexpr double kLeastInliers = 0.1;
 
 std::size_t leastPoints(bool planar) { return planar ? 20 : 60; }
@@ -53,8 +53,8 @@ OdometryStep VoxelIcp::step(const Scan& scan) {
 
   const Guess guess = bestGuess(scan, prepared.raw_map_points);
   Fit fit = fitScan(prepared, scan, guess);
-  const bool jumped = doubtful(fit.match, T_odom_base_ * predictedStep(scan.stamp)) &&
-                      searched(prepared.map_points, guess, fit.match, out.quality);
+  const bool jumped =
+      doubtful(fit.match, guess, scan.stamp) && searched(prepared.map_points, guess, fit.match, out.quality);
   if (fit.deskewed) deskew(prepared.cloud, fit.twist);
   if (share(fit.match) < kLostShare) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
@@ -104,11 +104,7 @@ void VoxelIcp::startMap(const Scan& scan, const Prepared& prepared) {
   map_ = emptyMap();
 }
 
-SurfacePyramid VoxelIcp::emptyMap() const {
-  SurfelRules rules;
-  rules.planar = planar_;
-  return {voxel_m_, kLevels, rules};
-}
+SurfacePyramid VoxelIcp::emptyMap() const { return {voxel_m_, kLevels, SurfelRules::of(planar_)}; }
 
 void VoxelIcp::thin(const Cloud& cloud, Cloud& map_points) const {
   map_points.clear();
@@ -146,7 +142,8 @@ VoxelIcp::Guess VoxelIcp::bestGuess(const Scan& scan, const Cloud& source) const
   double best_score = 0;
   for (std::size_t i = 0; i < guesses.size(); ++i) {
     const double score = matchScore(*map_, 1, few, guesses[i].T_odom_base, voxel_m_);
-    if (i == 0 || score > kGuessBetter * best_score) {
+    const bool against_recorded = guesses[best].recorded();
+    if (i == 0 || score > (against_recorded ? kThanRecorded : kGuessBetter) * best_score) {
       best = i;
       best_score = score;
     }
@@ -155,9 +152,9 @@ VoxelIcp::Guess VoxelIcp::bestGuess(const Scan& scan, const Cloud& source) const
 }
 
 Matrix6d VoxelIcp::recordedInformation(const Pose& T_step) const {
-  // Wheels slip and legs stumble: a tenth of the motion, and a floor that lets a bad encoder be overruled.
+  // Wheels slip, in turns most of all: a tenth of the way, a third of the turn, and a floor.
   const double sigma_m = 0.2 * voxel_m_ + 0.1 * T_step.translation().norm();
-  const double sigma_rad = 0.03 + 0.1 * rotationAngle(T_step);
+  const double sigma_rad = 0.03 + 0.2 * rotationAngle(T_step);
   Vector6d information;
   information << Eigen::Vector3d::Constant(1 / (sigma_m * sigma_m)),
       Eigen::Vector3d::Constant(1 / (sigma_rad * sigma_rad));
@@ -171,7 +168,7 @@ MatchOptions VoxelIcp::matchOptions() const {
   options.levels = {0, kLevels - 1};
   options.max_iterations = params_.max_iterations;
   options.inlier_m = (planar_ ? 0.5 : 0.3) * voxel_m_;
-  options.sigma_m = 0.06 * voxel_m_;
+  options.sigma_m = planar_ ? std::max(0.06 * voxel_m_, 0.02) : 0.06 * voxel_m_;
   options.planar = planar_;
   return options;
 }
@@ -240,20 +237,30 @@ double VoxelIcp::share(const MatchResult& match) const {
   return usual_inliers_ > 0 ? match.inlierRatio() / usual_inliers_ : 1.0;
 }
 
-bool VoxelIcp::doubtful(const MatchResult& match, const Pose& T_odom_base_predicted) const {
-  const Vector6d d = local(T_odom_base_predicted, match.T_map_scan);
+bool VoxelIcp::doubtful(const MatchResult& match, const Guess& guess, Stamp stamp) const {
+  const Vector6d d = local(T_odom_base_ * predictedStep(stamp), match.T_map_scan);
   const bool surprising = d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
-  return !moving_known_ || surprising || share(match) < kPoorShare;
+  return !moving_known_ || (surprising && !guess.recorded()) || share(match) < kPoorShare;
+}
+
+bool VoxelIcp::outweighs(const MatchResult& found, const MatchResult& match, const Guess& guess) const {
+  const auto strain = [&guess](const MatchResult& m) {
+    const Vector6d d = local(guess.T_odom_base, m.T_map_scan);
+    return 0.5 * d.dot(guess.information * d);
+  };
+  // An inlier is worth up to half of (3 sigma)^2 in likelihood, shared by the points that count as one.
+  const double gain =
+      (found.meanScore() - match.meanScore()) * match.system.points * 4.5 / MatchResult::kCorrelatedPoints;
+  return gain > strain(found) - strain(match);
 }
 
 bool VoxelIcp::searched(const Cloud& map_points, const Guess& guess, MatchResult& match,
                         OdometryQuality& quality) const {
-  const bool recorded = !guess.information.isZero(0.0);
-  const MatchResult near = search(map_points, guess.T_odom_base, recorded ? Reach::kStep : Reach::kNear);
-  if (near.meanScore() > kNearBetter * match.meanScore()) match = near;
+  const MatchResult near = search(map_points, guess.T_odom_base, guess.recorded() ? Reach::kStep : Reach::kNear);
+  if (near.meanScore() > kNearBetter * match.meanScore() && outweighs(near, match, guess)) match = near;
   // A planar scan sees half the room, and recorded odometry would know of a turn: there only a lost scan looks far
   // away.
-  if (share(match) >= (planar_ || recorded ? kLostShare : kPoorShare)) return false;
+  if (share(match) >= (planar_ || guess.recorded() ? kLostShare : kPoorShare)) return false;
   const MatchResult far = search(map_points, guess.T_odom_base, Reach::kFar);
   const bool precise = far.system.inliers >= kFarPrecision * far.system.matched;
   if (!precise || share(far) < kFarShare || far.inlierRatio() < kFarBetter * match.inlierRatio()) return false;

@@ -37,7 +37,8 @@ class VoxelIcp : public Odometry {
   };
   struct Guess {
     Pose T_odom_base;
-    Matrix6d information;  ///< of the step; zero: only a place to start from
+    Matrix6d information;  ///< of the step, from recorded odometry; zero: only a place to start from
+    bool recorded() const { return !information.isZero(0.0); }
   };
   struct Fit {
     MatchResult match;
@@ -64,7 +65,9 @@ class VoxelIcp : public Odometry {
   MatchResult search(const Cloud& source, const Pose& T_odom_base_guess, Reach reach) const;
   /// Inlier ratio as a share of the usual one; 0 when there are too few.
   double share(const MatchResult& match) const;
-  bool doubtful(const MatchResult& match, const Pose& T_odom_base_predicted) const;
+  bool doubtful(const MatchResult& match, const Guess& guess, Stamp stamp) const;
+  /// Is the better fit of `found` worth its distance from recorded odometry?
+  bool outweighs(const MatchResult& found, const MatchResult& match, const Guess& guess) const;
   /// Looks about the guess and, when nothing near fits, all around. @return the motion was found far from the guess.
   bool searched(const Cloud& map_points, const Guess& guess, MatchResult& match, OdometryQuality& quality) const;
   void restartMap(const Cloud& map_points, OdometryQuality& quality);

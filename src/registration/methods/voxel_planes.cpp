@@ -81,10 +81,7 @@ class VoxelPlanes : public Registration {
   void buildMap(bool planar) {
     planar_ = planar;
     voxel_m_ = params_.voxel_m > 0 ? params_.voxel_m : planar ? planarVoxel() : 0.5;
-    SurfelRules rules;
-    rules.planar = planar;
-    rules.min_points = planar ? 4 : 5;
-    map_.emplace(voxel_m_, kLevels, rules);
+    map_.emplace(voxel_m_, kLevels, SurfelRules::of(planar));
     map_->insert(target_, Pose::Identity());
     low_ = high_ = target_.empty() ? Eigen::Vector3f::Zero().eval() : target_.point(0);
     for (std::size_t i = 0; i < target_.size(); ++i) {
@@ -107,7 +104,7 @@ class VoxelPlanes : public Registration {
     options.levels = {0, kLevels - 2};
     options.max_iterations = params_.max_iterations;
     options.inlier_m = params_.inlier_m > 0 ? params_.inlier_m : 0.6 * voxel_m_;
-    options.sigma_m = 0.06 * voxel_m_;
+    options.sigma_m = planar_ ? std::max(0.06 * voxel_m_, 0.02) : 0.06 * voxel_m_;
     options.planar = planar_;
     return options;
   }
