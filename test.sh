@@ -24,7 +24,7 @@ if [ "${1:-all}" = fast ]; then
 fi
 
 build asan-ubsan
-echo "== fast tests under the address and undefined-behaviour sanitizers"
+echo "== what reads files and keeps sessions, under the address and undefined-behaviour sanitizers"
 # MRPT, GDAL and glog keep memory until the process ends: leaks of theirs are not ours to report.
 ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 ctest --preset asan-ubsan -j "$jobs"
 

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <csignal>
+#include <functional>
 #include <thread>
 
 #include "scslam/apps/evaluate.h"
@@ -47,7 +49,20 @@ int exitCode(const RunSummary& summary) {
   return static_cast<int>(ExitCode::kDone);
 }
 
-void printTable(const RunSummary& s, const std::optional<Evaluation>& evaluation) {
+/// How far the accepted loops are from agreeing with a trajectory, rms [m]: a figure that needs no ground truth.
+double loopMisfit(const Session& session, const std::function<const Pose&(KeyframeId)>& T_world_base) {
+  double sum = 0;
+  std::size_t loops = 0;
+  for (const LoopRecord& loop : session.loops()) {
+    if (!loop.accepted) continue;
+    const Pose T_match_query = T_world_base(loop.match).inverse() * T_world_base(loop.query);
+    sum += local(loop.T_match_query, T_match_query).head<3>().squaredNorm();
+    ++loops;
+  }
+  return loops > 0 ? std::sqrt(sum / static_cast<double>(loops)) : 0;
+}
+
+void printTable(const RunSummary& s, const Session& session, const std::optional<Evaluation>& evaluation) {
   const auto row = [](const char* name, const std::string& value) { fmt::print("  {:<22} {}\n", name, value); };
   fmt::print("\n");
   row("scans", fmt::format("{} ({:.1f} s of recording)", s.counts.scans, s.input_duration_s));
@@ -59,6 +74,12 @@ void printTable(const RunSummary& s, const std::optional<Evaluation>& evaluation
   row("time", fmt::format("{:.1f} s, {:.1f} x real time; {:.1f} ms a scan (95 %: {:.1f} ms)", s.wall_s,
                           s.wall_s > 0 ? s.input_duration_s / s.wall_s : 0, s.ms_per_scan_median, s.ms_per_scan_p95));
   row("memory", fmt::format("{:.0f} MB at most", s.peak_rss_mb));
+  if (s.counts.loops > 0) {
+    const auto odometry = [&session](KeyframeId k) -> const Pose& { return session.keyframes()[k].T_odom_base; };
+    const auto optimised = [&session](KeyframeId k) -> const Pose& { return session.poses()[k]; };
+    row("loops disagree by", fmt::format("{:.3f} m before, {:.3f} m after (rms)", loopMisfit(session, odometry),
+                                         loopMisfit(session, optimised)));
+  }
   if (evaluation) {
     row("odometry ATE", fmt::format("{:.3f} m (before)", evaluation->odometry_ate.rmse_m));
     row("map ATE", fmt::format("{:.3f} m (after)", evaluation->ate.rmse_m));
@@ -113,7 +134,7 @@ int run(RunFlags flags, const GlobalOptions& global) {
   if (flags.json) {
     fmt::print("{}", summary.metrics_json);
   } else {
-    printTable(summary, evaluation);
+    printTable(summary, session, evaluation);
     fmt::print("pictures: {}, map_top.png\nsession: {}  (map: scslam export {} --format ply)\n", picture.string(),
                summary.session.string(), summary.session.string());
   }
