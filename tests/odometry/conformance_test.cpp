@@ -1,5 +1,5 @@
 // What every odometry front-end promises (odometry/odometry.h), checked on each that is registered.
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <limits>
 
 #include "odometry/drive.h"

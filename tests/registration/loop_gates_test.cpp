@@ -16,7 +16,11 @@ RegistrationResult good() {
 }
 
 TEST(LoopGates, PassAGoodResultAndNameWhatIsWrongWithABadOne) {
-  const LoopGateParams params;
+  LoopGateParams params;
+  params.min_overlap = 0.5;
+  params.min_inlier_ratio = 0.4;
+  params.max_rmse_m = 0.25;
+  params.max_degenerate_axes = 2;
   EXPECT_EQ(refusal(good(), params), "");
   RegistrationResult r = good();
   r.converged = false;
