@@ -14,28 +14,25 @@ VoxelFrame::VoxelFrame(const Pose& T, double voxel_m) : R(T.linear().cast<float>
 }
 
 void VoxelSurface::insert(const Cloud& cloud_b, const Pose& T_map_b) {
+  constexpr std::size_t kBlock = 64;  // keys first, so that their cache lines are on the way when they are looked up
   const VoxelFrame frame(T_map_b, voxel_m_);
   const auto size = static_cast<float>(voxel_m_), inverse_size = static_cast<float>(1.0 / voxel_m_);
   std::vector<std::uint32_t> changed;
-  for (std::size_t i = 0; i < cloud_b.size(); ++i) {
-    const Eigen::Vector3f p = frame.place(cloud_b.point(i));
-    const VoxelCoord cell(floorToInt(p.x() * inverse_size), floorToInt(p.y() * inverse_size),
-                          floorToInt(p.z() * inverse_size));
-    const std::uint32_t voxel = index_.findOrInsert(packVoxel(cell + frame.anchor));
-    if (voxel == moments_.size()) {
-      moments_.emplace_back().next_fit = static_cast<float>(rules_.min_points);
-      surfels_.emplace_back();
+  VoxelKey keys[kBlock];
+  Eigen::Vector3f from_centre[kBlock];
+  for (std::size_t begin = 0; begin < cloud_b.size(); begin += kBlock) {
+    const std::size_t n = std::min(kBlock, cloud_b.size() - begin);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Eigen::Vector3f p = frame.place(cloud_b.point(begin + k));
+      const VoxelCoord cell(floorToInt(p.x() * inverse_size), floorToInt(p.y() * inverse_size),
+                            floorToInt(p.z() * inverse_size));
+      from_centre[k] = p - (cell.cast<float>().array() + 0.5f).matrix() * size;
+      keys[k] = packVoxel(cell + frame.anchor);
+      index_.prefetch(keys[k]);
     }
-    Moments& m = moments_[voxel];
-    if (m.n >= static_cast<float>(rules_.max_points)) continue;
-    const Eigen::Vector3f d = p - (cell.cast<float>().array() + 0.5f).matrix() * size;
-    m.n += 1;
-    m.x += d.x(), m.y += d.y(), m.z += d.z();
-    m.xx += d.x() * d.x(), m.xy += d.x() * d.y(), m.xz += d.x() * d.z();
-    m.yy += d.y() * d.y(), m.yz += d.y() * d.z(), m.zz += d.z() * d.z();
-    if (m.n >= m.next_fit) {
-      m.next_fit = std::numeric_limits<float>::infinity();  // listed once
-      changed.push_back(voxel);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::uint32_t voxel = voxelOf(keys[k]);
+      if (add(moments_[voxel], from_centre[k])) changed.push_back(voxel);
     }
   }
   for (const std::uint32_t voxel : changed) {
@@ -43,6 +40,26 @@ void VoxelSurface::insert(const Cloud& cloud_b, const Pose& T_map_b) {
     surfels_[voxel] = fitted(m);
     m.next_fit = std::ceil(1.25f * m.n);
   }
+}
+
+std::uint32_t VoxelSurface::voxelOf(VoxelKey key) {
+  const std::uint32_t voxel = index_.findOrInsert(key);
+  if (voxel == moments_.size()) {
+    moments_.emplace_back().next_fit = static_cast<float>(rules_.min_points);
+    surfels_.emplace_back();
+  }
+  return voxel;
+}
+
+bool VoxelSurface::add(Moments& m, const Eigen::Vector3f& d) const {
+  if (m.n >= static_cast<float>(rules_.max_points)) return false;
+  m.n += 1;
+  m.x += d.x(), m.y += d.y(), m.z += d.z();
+  m.xx += d.x() * d.x(), m.xy += d.x() * d.y(), m.xz += d.x() * d.z();
+  m.yy += d.y() * d.y(), m.yz += d.y() * d.z(), m.zz += d.z() * d.z();
+  if (m.n < m.next_fit) return false;
+  m.next_fit = std::numeric_limits<float>::infinity();  // said once
+  return true;
 }
 
 Surfel VoxelSurface::fitted(const Moments& m) const {

@@ -87,6 +87,9 @@ class VoxelSurface {
     float next_fit = 0;  ///< refit when n reaches this
     float x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   };
+  std::uint32_t voxelOf(VoxelKey key);
+  /// @param from_centre the point, from the voxel's centre. @return the voxel is to be refitted.
+  bool add(Moments& moments, const Eigen::Vector3f& from_centre) const;
   Surfel fitted(const Moments& moments) const;
 
   double voxel_m_;
