@@ -31,10 +31,12 @@ inline VoxelCoord unpackVoxel(VoxelKey key) {
   return {coordinate(0), coordinate(21), coordinate(42)};
 }
 
-/// floor() that vectorises without SSE4.1. |value| < 2^31.
+/// floor() that vectorises without SSE4.1. Beyond +-1e9, and for NaN, the bound: no such voxel is ever filled.
 inline std::int32_t floorToInt(float value) {
-  const auto truncated = static_cast<std::int32_t>(value);
-  return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
+  const float below = value < 1e9f ? value : 1e9f;  // NaN compares false
+  const float bounded = below > -1e9f ? below : -1e9f;
+  const auto truncated = static_cast<std::int32_t>(bounded);
+  return truncated - (bounded < static_cast<float>(truncated) ? 1 : 0);
 }
 
 }  // namespace scslam
