@@ -110,7 +110,7 @@ void countBlock(Block& b, std::size_t n, const MatchKernel& kernel, MatchSystem&
   const float to_bin = static_cast<float>(MatchSystem::kBins) / gate, inverse_inlier2 = 1.0f / (inlier * inlier);
   for (std::size_t i = 0; i < n; ++i) {
     const float distance = std::abs(b.r[i]);
-    if (b.variance[i] < 0 || distance >= gate) {
+    if (b.variance[i] < 0 || !(distance < gate)) {
       b.variance[i] = -1;
       continue;
     }
