@@ -1,0 +1,74 @@
+// The world in Embree: rays in, surfaces out. The only file that includes Embree (through embree.h).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/embree.h"
+#include "sim/world.h"
+
+namespace scslam::sim {
+
+/// What a ray met.
+struct Surface {
+  const Material* material = nullptr;
+  std::uint16_t material_index = 0;
+  std::uint16_t label = 0;  ///< SemanticKITTI class, the moving one for actors
+  std::uint16_t instance = 0;
+};
+
+struct Hit {
+  double range = 0;        ///< [m] for a unit direction
+  Eigen::Vector3d normal;  ///< unit, world frame, against the ray
+  Surface surface;
+};
+
+/// Sixteen rays at once. Fill org, dir, tnear, tfar, time; trace() does the rest. tfar is the range; geomID says hit.
+using RayPacket = RTCRayHit16;
+
+class RayScene {
+ public:
+  /// Builds the acceleration structure with RTC_SCENE_FLAG_ROBUST: hits do not depend on packing or threads.
+  explicit RayScene(const World& world);
+  ~RayScene();
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
+
+  /// Puts the actors where they are between t0 and t1 [s]; a ray's time 0 … 1 lies between. No rebuild of what stands.
+  void poseActors(double t0, double t1);
+
+  /// Traces the rays whose bit of `active` is set. Coherent rays (a tile of a scan) are fastest. Thread-safe.
+  /// Origins and directions must be finite and time within 0 … 1: Debian's Embree aborts otherwise.
+  void trace(RayPacket& rays, std::uint32_t active = 0xFFFF) const {
+    alignas(64) int valid[16];
+    for (int i = 0; i < 16; ++i) valid[i] = (active >> i & 1U) != 0 ? -1 : 0;
+    intersect16(valid, scene_, rays);
+  }
+  /// One ray. @param time 0 … 1 between the instants of poseActors().
+  std::optional<Hit> first(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range,
+                           double time = 0) const;
+  /// Is there nothing between a and b, but for the last and first 5 cm?
+  bool sees(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double time = 0) const;
+
+  /// The surface of ray i of a packet that hit.
+  Surface surface(const RayPacket& rays, int i) const;
+  /// Unit normal in the world, against the ray. @param time of that ray.
+  Eigen::Vector3f normal(const RayPacket& rays, int i) const;
+  std::uint16_t materialOf(const RayPacket& rays, int i) const {
+    return meshes_[rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID ? 0 : rays.hit.instID[0][i]]
+        ->material[rays.hit.primID[i]];
+  }
+
+ private:
+  const World& world_;
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  std::vector<RTCScene> parts_;  ///< per mesh, when there are actors
+  std::vector<RTCGeometry> instances_;
+  std::vector<const Mesh*> meshes_;                       ///< by instance number; 0 = what stands still
+  std::vector<std::array<Eigen::Matrix3f, 2>> rotation_;  ///< of each instance at t0 and t1
+};
+
+}  // namespace scslam::sim

@@ -1,0 +1,82 @@
+// Random numbers that depend on their coordinates alone (seed, stream, scan, column, ring, draw), never on who asked
+// first: Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011).
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace scslam {
+
+/// One Philox4x32-10 block: four independent 32-bit words for a counter and a key.
+inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {
+  for (int round = 0; round < 10; ++round) {
+    const std::uint64_t a = std::uint64_t{0xD2511F53} * counter[0];
+    const std::uint64_t b = std::uint64_t{0xCD9E8D57} * counter[2];
+    counter = {static_cast<std::uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
+               static_cast<std::uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
+    key[0] += 0x9E3779B9, key[1] += 0xBB67AE85;
+  }
+  return counter;
+}
+
+/// A word as a number in (0, 1), never 0 nor 1.
+inline float uniformOf(std::uint32_t word) { return (static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F; }
+
+/// Standard normal from a word by the inverse error function (Giles 2010, single precision): one word, one number.
+inline float normalOf(std::uint32_t word) {
+  const float x = (static_cast<float>(word >> 8) + 0.5F) * 0x1p-23F - 1.0F;
+  float w = -std::log((1.0F - x) * (1.0F + x)), p;
+  if (w < 5.0F) {
+    w -= 2.5F;
+    p = 2.81022636e-08F, p = 3.43273939e-07F + p * w, p = -3.5233877e-06F + p * w, p = -4.39150654e-06F + p * w;
+    p = 0.00021858087F + p * w, p = -0.00125372503F + p * w, p = -0.00417768164F + p * w, p = 0.246640727F + p * w;
+    p = 1.50140941F + p * w;
+  } else {
+    w = std::sqrt(w) - 3.0F;
+    p = -0.000200214257F, p = 0.000100950558F + p * w, p = 0.00134934322F + p * w, p = -0.00367342844F + p * w;
+    p = 0.00573950773F + p * w, p = -0.0076224613F + p * w, p = 0.00943887047F + p * w, p = 1.00167406F + p * w;
+    p = 2.83297682F + p * w;
+  }
+  return 1.41421356F * p * x;
+}
+
+/// What a random number is for: numbers of different streams are independent.
+enum class RandomStream : std::uint32_t { kWorld, kLidar, kRadar, kImu, kWheel, kGnss, kDrive, kActors, kFaults };
+
+/// A source of blocks for one seed and one stream (and one sensor of that kind: `unit`).
+class CounterRandom {
+ public:
+  CounterRandom(std::uint64_t seed, RandomStream stream, std::uint32_t unit = 0)
+      : key_{static_cast<std::uint32_t>(seed),
+             static_cast<std::uint32_t>(seed >> 32) ^ (static_cast<std::uint32_t>(stream) * 0x9E3779B1U + unit)} {}
+  /// Four words for the coordinates (scan, column, ring, draw); unused coordinates are 0.
+  std::array<std::uint32_t, 4> block(std::uint32_t scan, std::uint32_t column = 0, std::uint32_t ring = 0,
+                                     std::uint32_t draw = 0) const {
+    return philox({scan, column, ring, draw}, key_);
+  }
+
+ private:
+  std::array<std::uint32_t, 2> key_;
+};
+
+/// Numbers in a row for code that runs in one fixed order anyway (generating a world).
+class RandomSequence {
+ public:
+  explicit RandomSequence(const CounterRandom& random, std::uint32_t what = 0) : random_(random), what_(what) {}
+  double uniform() { return static_cast<double>(uniformOf(word())); }
+  double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
+  double normal() { return static_cast<double>(normalOf(word())); }
+  /// 0 … n-1.
+  int below(int n) { return static_cast<int>((std::uint64_t{word()} * static_cast<std::uint64_t>(n)) >> 32); }
+
+ private:
+  std::uint32_t word() {
+    if (left_ == 0) block_ = random_.block(index_++, what_), left_ = 4;
+    return block_[--left_];
+  }
+  CounterRandom random_;
+  std::uint32_t what_, index_ = 0, left_ = 0;
+  std::array<std::uint32_t, 4> block_{};
+};
+
+}  // namespace scslam
