@@ -48,8 +48,7 @@ void opening(MeshBuilder& b, const Bay& bay, const FrontStyle& style, std::array
 void window(MeshBuilder& b, const Bay& bay, const FrontStyle& style, RandomSequence& random) {
   const double side = 0.28 * bay.width;
   // Half of the windows show curtains or blinds, the others only glass.
-  opening(b, bay, style, {side, bay.width - side, 0.9, bay.height - 0.55},
-          random.uniform() < 0.5 ? "glass" : "white");
+  opening(b, bay, style, {side, bay.width - side, 0.9, bay.height - 0.55}, random.uniform() < 0.5 ? "glass" : "white");
   b.material("wood");
   const double middle = bay.width / 2;
   b.box(bay.frame(middle, 0.9, -style.recess_m + 0.03), 0.06, 0.05, bay.height - 1.45);  // its cross-bar

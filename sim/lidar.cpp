@@ -1,8 +1,10 @@
 #include "sim/lidar.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace scslam::sim {
 
@@ -154,13 +156,17 @@ LidarScan Lidar::scan(const RayScene& scene, const Trajectory& drive, double sta
   threads.forEachChunk(grid_.tiles(), tiles_per_chunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t tile = begin; tile < end; ++tile) traceTile(scene, tile);
   });
+  for (std::size_t tile = 0; tile < grid_.tiles(); ++tile)
+    rays_ += static_cast<std::uint64_t>(std::popcount(grid_.active(tile)));
   const auto columns = static_cast<std::size_t>(grid_.columns());
   std::vector<LidarScan> parts(chunkCount(columns, kColumnsPerChunk));
   if (effects_.beam_width && sensor_.beams.divergence_mrad > 0) {
     const std::vector<Echo> centres = echoes_;
-    threads.forEachChunk(columns, kColumnsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
-      splitBeams(scene, centres, static_cast<int>(begin), static_cast<int>(end));
+    std::vector<std::uint64_t> more(parts.size());
+    threads.forEachChunk(columns, kColumnsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
+      more[chunk] = splitBeams(scene, centres, static_cast<int>(begin), static_cast<int>(end));
     });
+    rays_ = std::accumulate(more.begin(), more.end(), rays_);
   }
   threads.forEachChunk(columns, kColumnsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t chunk) {
     collect(static_cast<int>(begin), static_cast<int>(end), number, parts[chunk]);

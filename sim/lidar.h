@@ -43,6 +43,9 @@ class BeamGrid {
            static_cast<std::size_t>(ring / tile_rings_);
   }
   int laneOf(int column, int ring) const { return ring % tile_rings_ * tile_columns_ + column % tile_columns_; }
+  bool isActive(int column, int ring) const {
+    return (active_[tileOf(column, ring)] >> laneOf(column, ring) & 1U) != 0;
+  }
   Eigen::Vector3f direction(int column, int ring) const { return lane(directions_, column, ring); }  ///< sensor frame
   Eigen::Vector3f origin(int column, int ring) const {
     return origins_.empty() ? Eigen::Vector3f::Zero() : lane(origins_, column, ring);
@@ -82,6 +85,7 @@ class Lidar {
 
   const SensorModel& sensor() const { return sensor_; }
   const BeamGrid& grid() const { return grid_; }
+  std::uint64_t rays() const { return rays_; }  ///< traced so far
 
   /// The sweep that starts `start_s` into the drive. poseActors(start_s, start_s + sweep) is the caller's.
   /// @param number of the scan: random numbers depend on it and the seed alone.
@@ -111,7 +115,8 @@ class Lidar {
   void aim(RayPacket& rays, std::size_t tile) const;
   void traceTile(const RayScene& scene, std::size_t tile);
   Echo echoOf(const RayScene& scene, const RayPacket& rays, int lane) const;
-  void splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column);
+  /// @return rays traced.
+  std::uint64_t splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column);
   bool mayBeSplit(const std::vector<Echo>& centres, int column, int ring) const;
   void splitPair(const RayScene& scene, const std::array<std::size_t, 2>& beams, int n);
   void choose(std::array<Echo, kBeamParts>& parts, std::size_t beam);
@@ -127,6 +132,7 @@ class Lidar {
   BeamGrid grid_;
   Pose T_base_sensor_;
   std::vector<ColumnPose> columns_;
+  std::uint64_t rays_ = 0;
   std::vector<Echo> echoes_, second_;  ///< second_: the other echo of a split beam
 };
 

@@ -34,17 +34,21 @@ bool Lidar::mayBeSplit(const std::vector<Echo>& centres, int column, int ring) c
          (ring > 0 && differs(at(column, ring - 1))) || (ring + 1 < rings && differs(at(column, ring + 1)));
 }
 
-void Lidar::splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column) {
+std::uint64_t Lidar::splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column,
+                                int last_column) {
   std::array<std::size_t, 2> beams{};
+  std::uint64_t split = 0;
   int n = 0;
   for (int column = first_column; column < last_column; ++column)
     for (int ring = 0; ring < grid_.rings(); ++ring) {
-      if ((grid_.active(grid_.tileOf(column, ring)) >> grid_.laneOf(column, ring) & 1U) == 0) continue;
+      if (!grid_.isActive(column, ring)) continue;
       if (!mayBeSplit(centres, column, ring)) continue;
+      ++split;
       beams[static_cast<std::size_t>(n++)] = static_cast<std::size_t>(column * grid_.rings() + ring);
       if (n == 2) splitPair(scene, beams, 2), n = 0;
     }
   if (n > 0) splitPair(scene, beams, n);
+  return split * kAround;
 }
 
 void Lidar::splitPair(const RayScene& scene, const std::array<std::size_t, 2>& beams, int n) {
@@ -154,7 +158,7 @@ void Lidar::collect(int first_column, int last_column, std::uint32_t number, Lid
   for (int column = first_column; column < last_column; ++column)
     for (int ring = 0; ring < grid_.rings(); ++ring) {
       const auto beam = static_cast<std::size_t>(column * grid_.rings() + ring);
-      if ((grid_.active(grid_.tileOf(column, ring)) >> grid_.laneOf(column, ring) & 1U) == 0) continue;
+      if (!grid_.isActive(column, ring)) continue;
       report(echoes_[beam], column, ring, number, 0, out);
       if (second_[beam].range > 0) report(second_[beam], column, ring, number, 1, out);
     }

@@ -8,6 +8,9 @@ namespace scslam::sim {
 
 namespace {
 
+constexpr double kClear = 5;    ///< an actor nearer to the robot's origin than this would run into it [m]
+constexpr double kAway = 5000;  ///< so far below the ground it is out of the way [m]
+
 RTCGeometry triangleGeometry(RTCDevice device, const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -85,10 +88,13 @@ RayScene::~RayScene() {
   if (device_ != nullptr) rtcReleaseDevice(device_);
 }
 
-void RayScene::poseActors(double t0, double t1) {
+void RayScene::poseActors(double t0, double t1, const std::optional<Eigen::Vector3d>& robot) {
   if (world_.actors.empty()) return;
   for (std::size_t i = 0; i < world_.actors.size(); ++i) {
-    const std::array<Pose, 2> T = {world_.actors[i].at(t0), world_.actors[i].at(t1)};
+    std::array<Pose, 2> T = {world_.actors[i].at(t0), world_.actors[i].at(t1)};
+    const bool meets =
+        robot && ((T[0].translation() - *robot).norm() < kClear || (T[1].translation() - *robot).norm() < kClear);
+    if (meets) T[0].translation().z() -= kAway, T[1].translation().z() -= kAway;
     // One that jumps (back to the start of its path) is shown at its new place for the whole sweep.
     const bool jumps = (T[1].translation() - T[0].translation()).norm() > 5 + 60 * (t1 - t0);
     for (unsigned k = 0; k < 2; ++k) {

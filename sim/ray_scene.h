@@ -37,7 +37,8 @@ class RayScene {
   RayScene& operator=(const RayScene&) = delete;
 
   /// Puts the actors where they are between t0 and t1 [s]; a ray's time 0 … 1 lies between. No rebuild of what stands.
-  void poseActors(double t0, double t1);
+  /// Actors that would run into the robot are not there meanwhile: they do not see it coming.
+  void poseActors(double t0, double t1, const std::optional<Eigen::Vector3d>& robot = std::nullopt);
 
   /// Traces the rays whose bit of `active` is set. Coherent rays (a tile of a scan) are fastest. Thread-safe.
   /// Origins and directions must be finite and time within 0 … 1: Debian's Embree aborts otherwise.

@@ -1,5 +1,5 @@
-// Streets in a grid with what streets have: houses with gaps between them, pavements with kerbs, parked cars, trees, lamp
-// posts, signs; cars, cyclists and people on the move.
+// Streets in a grid with what streets have: houses with gaps between them, pavements with kerbs, parked cars, trees,
+// lamp posts, signs; cars, cyclists and people on the move.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -136,9 +136,11 @@ class Town final : public WorldGenerator {
                   is_road ? std::function<double(double, double)>(low) : high);
         if (is_road) continue;
         b.material("kerb");
-        if (i + 1 < xs.size() && kind(xs[i + 1], ys[j]) == Strip::kRoad) kerb(b, xs[i].to, ys[j].to, xs[i].to, ys[j].from);
+        if (i + 1 < xs.size() && kind(xs[i + 1], ys[j]) == Strip::kRoad)
+          kerb(b, xs[i].to, ys[j].to, xs[i].to, ys[j].from);
         if (i > 0 && kind(xs[i - 1], ys[j]) == Strip::kRoad) kerb(b, xs[i].from, ys[j].from, xs[i].from, ys[j].to);
-        if (j + 1 < ys.size() && kind(xs[i], ys[j + 1]) == Strip::kRoad) kerb(b, xs[i].from, ys[j].to, xs[i].to, ys[j].to);
+        if (j + 1 < ys.size() && kind(xs[i], ys[j + 1]) == Strip::kRoad)
+          kerb(b, xs[i].from, ys[j].to, xs[i].to, ys[j].to);
         if (j > 0 && kind(xs[i], ys[j - 1]) == Strip::kRoad) kerb(b, xs[i].to, ys[j].from, xs[i].from, ys[j].from);
       }
   }
@@ -194,11 +196,13 @@ class Town final : public WorldGenerator {
     }
   }
 
-  void plantGarden(MeshBuilder& b, const Vector3d& start, const Vector3d& right, double width, RandomSequence& random) const {
+  void plantGarden(MeshBuilder& b, const Vector3d& start, const Vector3d& right, double width,
+                   RandomSequence& random) const {
     const Vector3d in = -right.cross(Vector3d::UnitZ());
     addFence(b, onPavement(start), onPavement(start + width * right), 1.3);
     for (double x = 1.5; x < width - 1; x += random.uniform(2, 4))
-      addBush(b, onPavement(start + x * right + random.uniform(1, 3) * in), random.uniform(0.8, 2), random, p_.leaf_share);
+      addBush(b, onPavement(start + x * right + random.uniform(1, 3) * in), random.uniform(0.8, 2), random,
+              p_.leaf_share);
     addTree(b, onPavement(start + width / 2 * right + 5 * in), random.uniform(6, 10), random, p_.leaf_share);
   }
 
@@ -232,8 +236,10 @@ class Town final : public WorldGenerator {
         const bool anew = parking.uniform() < p_.parked_replaced;
         RandomSequence& who = anew ? reparking : parking;
         if (who.uniform() < p_.parked_share)
-          addCar(b, poseFromYaw(heading + who.normal() * 0.02, onRoad(at(s + who.uniform(-0.4, 0.4), p_.road_m / 2 - 1.15))),
-                 who);
+          addCar(
+              b,
+              poseFromYaw(heading + who.normal() * 0.02, onRoad(at(s + who.uniform(-0.4, 0.4), p_.road_m / 2 - 1.15))),
+              who);
       }
       for (double s = clear + 2; s < length - clear; s += random.uniform(8, 12))
         if (random.uniform() < p_.tree_share)
@@ -243,10 +249,17 @@ class Town final : public WorldGenerator {
       for (double s = clear; s < length - clear; s += random.uniform(9, 22)) {
         const Pose T = poseFromYaw(heading + M_PI / 2, onPavement(at(s, p_.road_m / 2 + p_.pavement_m - 0.7)));
         switch (random.below(4)) {
-          case 0: addBin(b, T, random); break;
-          case 1: addBench(b, T, random); break;
-          case 2: addBicycle(b, T, random); break;
-          default: addPerson(b, T, random);
+          case 0:
+            addBin(b, T, random);
+            break;
+          case 1:
+            addBench(b, T, random);
+            break;
+          case 2:
+            addBicycle(b, T, random);
+            break;
+          default:
+            addPerson(b, T, random);
         }
       }
     }
@@ -254,7 +267,8 @@ class Town final : public WorldGenerator {
 
   void furnishCorner(MeshBuilder& b, int i, int j, RandomSequence& random) const {
     const double out = p_.road_m / 2 + 1.2;
-    for (const auto& [sx, sy, yaw] : {std::array{1.0, 1.0, 0.0}, {-1.0, 1.0, 90.0}, {-1.0, -1.0, 180.0}, {1.0, -1.0, 270.0}}) {
+    for (const auto& [sx, sy, yaw] :
+         {std::array{1.0, 1.0, 0.0}, {-1.0, 1.0, 90.0}, {-1.0, -1.0, 180.0}, {1.0, -1.0, 270.0}}) {
       const Vector3d at = onPavement(junction(i, j) + Vector3d(sx * out, sy * out, 0));
       const Pose T = poseFromYaw(yaw * M_PI / 180, at);
       if (random.uniform() < 0.5)
@@ -336,5 +350,6 @@ class Town final : public WorldGenerator {
 }  // namespace scslam::sim
 
 namespace scslam {
-SCSLAM_REGISTER(sim::WorldGenerator, sim::Town, "town", "streets in a grid, with houses, parked cars, trees and traffic")
+SCSLAM_REGISTER(sim::WorldGenerator, sim::Town, "town",
+                "streets in a grid, with houses, parked cars, trees and traffic")
 }

@@ -31,5 +31,6 @@ Verb infoVerb();
 Verb listVerb();
 Verb configVerb();
 Verb doctorVerb();
+Verb simVerb();
 
 }  // namespace scslam::cli

@@ -3,8 +3,8 @@
 namespace scslam::cli {
 
 const std::vector<Verb>& verbs() {
-  static const std::vector<Verb> all = {runVerb(),  evalVerb(), optimizeVerb(), exportVerb(),
-                                        infoVerb(), listVerb(), configVerb(),   doctorVerb()};
+  static const std::vector<Verb> all = {runVerb(),  evalVerb(),   optimizeVerb(), exportVerb(), infoVerb(),
+                                        listVerb(), configVerb(), doctorVerb(),   simVerb()};
   return all;
 }
 

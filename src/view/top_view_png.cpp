@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scslam/view/image.h"
+#include "scslam/core/image.h"
 #include "scslam/view/svg_plot.h"
 
 namespace scslam {

@@ -3,7 +3,7 @@
 #include <regex>
 
 #include "apps/session_of.h"
-#include "scslam/view/image.h"
+#include "scslam/core/image.h"
 #include "scslam/view/svg_plot.h"
 #include "scslam/view/top_view_png.h"
 #include "scslam/view/trajectory_svg.h"

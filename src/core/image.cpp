@@ -1,4 +1,4 @@
-#include "scslam/view/image.h"
+#include "scslam/core/image.h"
 
 #include <png.h>
 

@@ -1,0 +1,106 @@
+#include "sim/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scslam/core/error.h"
+#include "scslam/sensor/sensor_tables.h"
+
+namespace scslam::sim {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// The ground below a point, seen from a metre above it.
+GroundHeight groundOf(const RayScene& scene) {
+  return [&scene](double x, double y, double z_hint) {
+    const double eye = z_hint + 1;
+    const auto hit = scene.first({x, y, eye}, -Vector3d::UnitZ(), 6);
+    return hit ? eye - hit->range : std::nan("");
+  };
+}
+
+SensorModel mounted(const LidarParams& params) {
+  SensorModel sensor = loadSensorModel(params.sensor);
+  if (params.translation_m.size() != 3 || params.rpy_deg.size() != 3)
+    throw usageError("lidar.translation_m and lidar.rpy_deg need three numbers each");
+  sensor.translation_m = params.translation_m, sensor.rpy_deg = params.rpy_deg;
+  return sensor;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scenario& scenario, const PluginContext& context) : scenario_(scenario) {
+  world_ = std::make_unique<World>(scenario.world.kind.create(context)->generate(scenario.worldSeed()));
+  scene_ = std::make_unique<RayScene>(*world_);
+  drive_ = std::make_unique<Trajectory>(planDrive(scenario.drive, world_->routes, groundOf(*scene_)));
+  lidar_ = std::make_unique<Lidar>(mounted(scenario.lidar), scenario.lidar.effects, scenario.weather,
+                                   static_cast<std::uint64_t>(scenario.seed));
+}
+
+std::uint32_t Simulation::scans() const {
+  const double sweep = lidar_->grid().sweep();
+  return static_cast<std::uint32_t>(std::floor(drive_->duration() / sweep + 1e-9));
+}
+
+void Simulation::poseActors(double t0, double t1) {
+  scene_->poseActors(t0, t1, drive_->pose((t0 + t1) / 2).translation());
+}
+
+std::optional<LidarScan> Simulation::sweep(std::uint32_t number, ThreadPool& threads) {
+  const CounterRandom random(static_cast<std::uint64_t>(scenario_.seed), RandomStream::kFaults);
+  if (static_cast<double>(uniformOf(random.block(number)[0])) < scenario_.faults.lost_scans) return std::nullopt;
+  const double start = sweepStart(number);
+  poseActors(start, start + lidar_->grid().sweep());
+  LidarScan scan = lidar_->scan(*scene_, *drive_, start, number, threads);
+  applyFaults(scan, number);
+  return scan;
+}
+
+void Simulation::applyFaults(LidarScan& scan, std::uint32_t number) const {
+  const FaultParams& faults = scenario_.faults;
+  if (faults.lost_rings <= 0 && faults.dirty_deg.empty()) return;
+  const CounterRandom random(static_cast<std::uint64_t>(scenario_.seed), RandomStream::kFaults, 1);
+  std::vector<std::uint8_t> keep(scan.cloud.size(), 1);
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    const std::uint32_t ring = scan.cloud.ring[i];
+    if (static_cast<double>(uniformOf(random.block(0, 0, ring, 1)[0])) < faults.lost_rings) keep[i] = 0;
+    const double azimuth = std::atan2(scan.cloud.y[i], scan.cloud.x[i]) * 180 / M_PI;
+    for (std::size_t k = 0; k + 1 < faults.dirty_deg.size(); k += 2) {
+      const double into = azimuth - faults.dirty_deg[k] - 360 * std::floor((azimuth - faults.dirty_deg[k]) / 360);
+      const auto u = uniformOf(random.block(number, static_cast<std::uint32_t>(i), ring, 2)[0]);
+      if (into < faults.dirty_deg[k + 1] - faults.dirty_deg[k] && static_cast<double>(u) < faults.dirty_loss)
+        keep[i] = 0;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i] != 0) scan.labels[kept++] = scan.labels[i];
+  scan.labels.resize(kept);
+  scan.cloud.filter(keep);
+}
+
+std::string Simulation::collision() const {
+  constexpr double kStep = 0.25;  // [s]
+  double travel = 0;
+  for (double t = kStep; t <= drive_->duration(); t += kStep) {
+    const Pose from = drive_->pose(t - kStep), to = drive_->pose(t);
+    const Vector3d way = to.translation() - from.translation();
+    travel += way.norm();
+    if (way.norm() < 0.02) continue;
+    for (const double side : {-0.7, 0.0, 0.7}) {
+      const Vector3d body(0, side, 1.0);
+      const auto hit =
+          scene_->first(from * body, (to * body - from * body).normalized(), (to * body - from * body).norm());
+      if (!hit || hit->surface.label >= 250) continue;
+      const Vector3d at = to.translation();
+      return fmt::format(
+          "the robot drives through {} at ({:.1f}, {:.1f}, {:.1f}), {:.1f} m and {:.1f} s into the drive",
+          hit->surface.material->name, at.x(), at.y(), at.z(), travel, t);
+    }
+  }
+  return "";
+}
+
+}  // namespace scslam::sim

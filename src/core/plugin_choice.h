@@ -1,0 +1,40 @@
+// Which plug-in of an interface, and the parameters of each: how a configuration names one.
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+
+#include "scslam/core/registry.h"
+
+namespace scslam {
+
+/// A choice among the plug-ins of one interface, with a group of parameters for each of them.
+template <class Interface>
+struct PluginChoice {
+  std::string name;
+  std::map<std::string, std::unique_ptr<ParamSet>> params;
+
+  explicit PluginChoice(std::string chosen) : name(std::move(chosen)) {
+    for (const auto& plugin : Registry<Interface>::instance().names())
+      params[plugin] = Registry<Interface>::instance().find(plugin).defaults();
+  }
+  PluginChoice(const PluginChoice& other) : name(other.name) {
+    for (const auto& [plugin, values] : other.params) params[plugin] = values->clone();
+  }
+  PluginChoice& operator=(const PluginChoice& other) {
+    PluginChoice copy(other);
+    std::swap(name, copy.name);
+    std::swap(params, copy.params);
+    return *this;
+  }
+  void describe(ParamVisitor& v, const char* key, const char* doc) {
+    v.field(key, name, doc, Registry<Interface>::instance().names());
+    for (auto& [plugin, values] : params)
+      v.group(plugin.c_str(), *values, Registry<Interface>::instance().find(plugin).summary.c_str());
+  }
+  std::unique_ptr<Interface> create(const PluginContext& context) const {
+    return Registry<Interface>::instance().create(name, *params.at(name), context);
+  }
+};
+
+}  // namespace scslam
