@@ -104,7 +104,10 @@ class Lidar {
   const std::vector<Echo>& echoes() const { return echoes_; }  ///< [column * rings + ring]
 
  private:
-  static constexpr std::size_t kBeamParts = 9;
+  static constexpr std::size_t kAround = 4;                 ///< rays around the centre of a beam that may be split
+  static constexpr std::size_t kBeamParts = kAround + 1;
+  static constexpr std::size_t kBeamsPerPacket = 16 / kAround;
+  using Beams = std::array<std::size_t, kBeamsPerPacket>;
   struct ColumnPose {
     std::array<float, 9> R;         ///< T_world_sensor, row-major
     std::array<float, 3> t;         ///<
@@ -118,7 +121,7 @@ class Lidar {
   /// @return rays traced.
   std::uint64_t splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column);
   bool mayBeSplit(const std::vector<Echo>& centres, int column, int ring) const;
-  void splitPair(const RayScene& scene, const std::array<std::size_t, 2>& beams, int n);
+  void splitSome(const RayScene& scene, const Beams& beams, std::size_t n);
   void choose(std::array<Echo, kBeamParts>& parts, std::size_t beam);
   bool isLost(float signal, float u) const;
   bool report(Echo echo, int column, int ring, std::uint32_t number, std::uint32_t draw, LidarScan& out) const;

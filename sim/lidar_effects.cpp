@@ -1,6 +1,7 @@
 // What the sensor makes of what its beams met: split beams, noise, lost echoes.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sim/lidar.h"
 
@@ -8,9 +9,9 @@ namespace scslam::sim {
 
 namespace {
 
-/// Rays that stand for one beam: its centre and eight around it, at 0.6 of the width at half power.
-constexpr int kAround = 8;
-constexpr float kCentreShare = 0.3F, kAroundShare = 0.7F / kAround;
+/// Rays that stand for one beam: its centre and four around it, at 0.45 of the width at half power.
+constexpr float kCentreShare = 0.4F, kAroundShare = 0.15F;
+constexpr std::array<std::array<float, 2>, 4> kSides = {{{0.45F, 0}, {0, 0.45F}, {-0.45F, 0}, {0, -0.45F}}};
 
 /// Echoes of a beam that the receiver cannot tell apart, as one.
 struct Pulse {
@@ -22,45 +23,49 @@ struct Pulse {
 
 }  // namespace
 
+/// On a plane 1 / range is linear along rings and columns, to second order in their step: what is not, is an edge.
 bool Lidar::mayBeSplit(const std::vector<Echo>& centres, int column, int ring) const {
+  constexpr float kStep = 0.3F;  ///< [m]
   const int rings = grid_.rings(), columns = grid_.columns();
   const auto at = [&](int c, int r) {
     return centres[static_cast<std::size_t>((c + columns) % columns * rings + r)].range;
   };
   const float here = at(column, ring);
-  const float step = 0.2F + 0.02F * here;
-  const auto differs = [&](float other) { return (here > 0) != (other > 0) || std::abs(here - other) > step; };
-  return differs(at(column - 1, ring)) || differs(at(column + 1, ring)) ||
-         (ring > 0 && differs(at(column, ring - 1))) || (ring + 1 < rings && differs(at(column, ring + 1)));
+  const auto bends = [&](float before, float after) {
+    if (here <= 0 || before <= 0 || after <= 0) return here > 0 || before > 0 || after > 0;
+    return here * std::abs(here / before + here / after - 2) > 2 * kStep;
+  };
+  return bends(at(column - 1, ring), at(column + 1, ring)) ||
+         (ring > 0 && ring + 1 < rings && bends(at(column, ring - 1), at(column, ring + 1)));
 }
 
 std::uint64_t Lidar::splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column,
                                 int last_column) {
-  std::array<std::size_t, 2> beams{};
+  Beams beams{};
   std::uint64_t split = 0;
-  int n = 0;
+  std::size_t n = 0;
   for (int column = first_column; column < last_column; ++column)
     for (int ring = 0; ring < grid_.rings(); ++ring) {
       if (!grid_.isActive(column, ring)) continue;
       if (!mayBeSplit(centres, column, ring)) continue;
       ++split;
-      beams[static_cast<std::size_t>(n++)] = static_cast<std::size_t>(column * grid_.rings() + ring);
-      if (n == 2) splitPair(scene, beams, 2), n = 0;
+      beams[n++] = static_cast<std::size_t>(column * grid_.rings() + ring);
+      if (n == kBeamsPerPacket) splitSome(scene, beams, std::exchange(n, 0));
     }
-  if (n > 0) splitPair(scene, beams, n);
+  if (n > 0) splitSome(scene, beams, n);
   return split * kAround;
 }
 
-void Lidar::splitPair(const RayScene& scene, const std::array<std::size_t, 2>& beams, int n) {
+void Lidar::splitSome(const RayScene& scene, const Beams& beams, std::size_t n) {
   RayPacket rays;
-  const auto radius = static_cast<float>(0.6e-3 * sensor_.beams.divergence_mrad);
-  for (int i = 0; i < 16; ++i) {
-    const std::size_t beam = beams[static_cast<std::size_t>(std::min(i / kAround, n - 1))];
+  const auto width = static_cast<float>(1e-3 * sensor_.beams.divergence_mrad);
+  for (std::size_t i = 0; i < 16; ++i) {
+    const std::size_t beam = beams[std::min(i / kAround, n - 1)];
     const int column = static_cast<int>(beam) / grid_.rings(), ring = static_cast<int>(beam) % grid_.rings();
     const Eigen::Vector3f d = grid_.direction(column, ring), o = grid_.origin(column, ring);
     const Eigen::Vector3f side = Eigen::Vector3f(-d.y(), d.x(), 0).normalized(), up = d.cross(side);
-    const float angle = static_cast<float>(2 * M_PI / kAround) * static_cast<float>(i % kAround);
-    const Eigen::Vector3f ray = (d + radius * (std::cos(angle) * side + std::sin(angle) * up)).normalized();
+    const auto& [right, above] = kSides[i % kAround];
+    const Eigen::Vector3f ray = (d + width * (right * side + above * up)).normalized();
     const ColumnPose& pose = columns_[static_cast<std::size_t>(column)];
     const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(pose.R.data());
     const Eigen::Vector3f d_world = R * ray;
@@ -72,17 +77,16 @@ void Lidar::splitPair(const RayScene& scene, const std::array<std::size_t, 2>& b
     rays.ray.mask[i] = 0xFFFFFFFF, rays.ray.flags[i] = 0, rays.ray.id[i] = 0;
     rays.hit.geomID[i] = rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  scene.trace(rays, n == 2 ? 0xFFFF : 0xFF);
-  for (int k = 0; k < n; ++k) {
-    std::array<Echo, kAround + 1> parts;
-    for (int i = 0; i < kAround; ++i) {
-      parts[static_cast<std::size_t>(i)] = echoOf(scene, rays, k * kAround + i);
-      parts[static_cast<std::size_t>(i)].signal *= kAroundShare;
+  scene.trace(rays, (1U << (n * kAround)) - 1);
+  for (std::size_t k = 0; k < n; ++k) {
+    std::array<Echo, kBeamParts> parts;
+    for (std::size_t i = 0; i < kAround; ++i) {
+      parts[i] = echoOf(scene, rays, static_cast<int>(k * kAround + i));
+      parts[i].signal *= kAroundShare;
     }
-    const std::size_t beam = beams[static_cast<std::size_t>(k)];
-    parts[kAround] = echoes_[beam];
+    parts[kAround] = echoes_[beams[k]];
     parts[kAround].signal *= kCentreShare;
-    choose(parts, beam);
+    choose(parts, beams[k]);
   }
 }
 

@@ -136,13 +136,14 @@ std::string renderOblique(const RayScene& scene, const Trajectory& drive, double
 
 std::string renderScan(const LidarScan& scan, const Lidar& lidar) {
   constexpr int kSize = 1000;
-  constexpr double kReach = 60;  ///< [m] shown to each side
+  constexpr double kReach = 45;  ///< [m] shown to each side
   const int strip = std::max(24, 3 * lidar.grid().rings());
   Image image(kSize, kSize + strip + 4, {18, 20, 26});
   const Cloud& cloud = scan.cloud;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Rgb colour = colourOf(static_cast<std::uint16_t>(scan.labels[i] & 0xFFFF));
-    const int column = static_cast<int>(static_cast<double>(cloud.dt[i]) / lidar.grid().sweep() * kSize);
+    const auto azimuth = std::atan2(static_cast<double>(cloud.y[i]), static_cast<double>(cloud.x[i]));
+    const int column = static_cast<int>((0.5 - azimuth / (2 * M_PI)) * kSize);
     const auto near = static_cast<float>(std::clamp(1.2 - static_cast<double>(cloud.point(i).norm()) / 60, 0.25, 1.0));
     const int row_height = std::max(1, strip / lidar.grid().rings());
     for (int k = 0; k < row_height; ++k)

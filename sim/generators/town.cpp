@@ -131,8 +131,8 @@ class Town final : public WorldGenerator {
         const Strip strip = kind(xs[i], ys[j]);
         const bool is_road = strip == Strip::kRoad;
         b.material(is_road ? "asphalt" : strip == Strip::kPavement ? "paving" : "grass");
-        // Cells of whole metres share their corners with their neighbours: no cracks.
-        b.terrain(xs[i].from, ys[j].from, xs[i].to, ys[j].to, strip == Strip::kBlock ? 2 : 1,
+        // Cells of one size share their corners with their neighbours: no cracks.
+        b.terrain(xs[i].from, ys[j].from, xs[i].to, ys[j].to, 1,
                   is_road ? std::function<double(double, double)>(low) : high);
         if (is_road) continue;
         b.material("kerb");

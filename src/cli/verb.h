@@ -32,5 +32,6 @@ Verb listVerb();
 Verb configVerb();
 Verb doctorVerb();
 Verb simVerb();
+Verb realismVerb();
 
 }  // namespace scslam::cli

@@ -4,7 +4,7 @@ namespace scslam::cli {
 
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> all = {runVerb(),  evalVerb(),   optimizeVerb(), exportVerb(), infoVerb(),
-                                        listVerb(), configVerb(), doctorVerb(),   simVerb()};
+                                        listVerb(), configVerb(), doctorVerb(),   simVerb(),    realismVerb()};
   return all;
 }
 
