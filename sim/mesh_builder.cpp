@@ -133,7 +133,8 @@ void MeshBuilder::foliage(const Vector3d& centre, const Vector3d& radii, double 
   const double volume = 4.0 / 3.0 * M_PI * radii.prod();
   const int leaves = static_cast<int>(volume * density);
   const auto direction = [&random] {
-    Vector3d d(random.normal(), random.normal(), random.normal());
+    Vector3d d(0, 0, 0);
+    for (double& x : d) x = std::clamp(random.normal(), -6.0, 6.0);
     return Vector3d(d / std::max(1e-9, d.norm()));
   };
   for (int i = 0; i < leaves; ++i) {

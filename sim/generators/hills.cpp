@@ -150,14 +150,17 @@ class Hills : public WorldGenerator {
     for (int i = 0; i < params_.houses; ++i) {
       const double s = (i + random.uniform(0.2, 0.8)) / params_.houses, which = side();
       const Vector3d p = beside(s, which * random.uniform(20, 30)), towards = beside(s, 0) - p;
-      addHouse(builder, poseFromYaw(std::atan2(towards.y(), towards.x()) + M_PI / 2, p), random.uniform(9, 14),
-               random.uniform(7, 9), 1 + random.below(2), random);
+      const double turn = std::atan2(towards.y(), towards.x()) + M_PI / 2;
+      const double l = random.uniform(9, 14), w = random.uniform(7, 9);
+      const int storeys = 1 + random.below(2);
+      if (distance(road, p) > 18) addHouse(builder, poseFromYaw(turn, p), l, w, storeys, random);
     }
     const int trees = static_cast<int>(params_.trees_per_km * length / 1000);
     for (int i = 0; i < trees; ++i) {
       const double height = random.uniform(4, 13), out = 6 + 0.37 * height + 32 * std::pow(random.uniform(), 2);
       const double s = (i + random.uniform()) / trees;
-      addTree(builder, beside(s, side() * out), height, random);
+      const Vector3d p = beside(s, side() * out);
+      if (distance(road, p) > 5 + 0.37 * height) addTree(builder, p, height, random);
     }
     for (double at = 15; at + 60 < length; at += 130) {  // stretches of meadow fence, then a pole
       const double which = side(), out = random.uniform(5.5, 8);
