@@ -98,21 +98,27 @@ void MeshBuilder::sphere(const Vector3d& centre, double radius, int rings) {
 }
 
 void MeshBuilder::terrain(double x0, double y0, double x1, double y1, double cell_m,
-                          const std::function<double(double, double)>& height) {
+                          const std::function<double(double, double)>& height,
+                          const std::function<bool(double, double)>& where) {
   const int nx = std::max(1, static_cast<int>(std::lround((x1 - x0) / cell_m)));
   const int ny = std::max(1, static_cast<int>(std::lround((y1 - y0) / cell_m)));
-  patch(nx, ny, [&](int i, int j) {
-    const double x = x0 + (x1 - x0) * i / nx, y = y0 + (y1 - y0) * j / ny;
-    return Vector3d(x, y, height(x, y));
-  });
+  const auto x = [&](double i) { return x0 + (x1 - x0) * i / nx; };
+  const auto y = [&](double j) { return y0 + (y1 - y0) * j / ny; };
+  const auto at = [&](int i, int j) { return Vector3d(x(i), y(j), height(x(i), y(j))); };
+  if (where)
+    patch(nx, ny, at, [&](int i, int j) { return where(x(i + 0.5), y(j + 0.5)); });
+  else
+    patch(nx, ny, at);
 }
 
-void MeshBuilder::patch(int rows, int columns, const std::function<Vector3d(int, int)>& at) {
+void MeshBuilder::patch(int rows, int columns, const std::function<Vector3d(int, int)>& at,
+                        const std::function<bool(int, int)>& where) {
   const auto base = static_cast<std::uint32_t>(mesh_.vertices.size());
   for (int i = 0; i <= rows; ++i)
     for (int j = 0; j <= columns; ++j) mesh_.vertices.push_back(at(i, j).cast<float>());
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
+      if (where && !where(i, j)) continue;
       const auto a = base + static_cast<std::uint32_t>(i * (columns + 1) + j);
       const auto b = a + static_cast<std::uint32_t>(columns + 1);
       mesh_.triangles.push_back({a, b, b + 1});
@@ -127,7 +133,8 @@ void MeshBuilder::foliage(const Vector3d& centre, const Vector3d& radii, double 
   const double volume = 4.0 / 3.0 * M_PI * radii.prod();
   const int leaves = static_cast<int>(volume * density);
   const auto direction = [&random] {
-    Vector3d d(random.normal(), random.normal(), random.normal());
+    Vector3d d(0, 0, 0);
+    for (double& x : d) x = std::clamp(random.normal(), -6.0, 6.0);
     return Vector3d(d / std::max(1e-9, d.norm()));
   };
   for (int i = 0; i < leaves; ++i) {

@@ -28,13 +28,16 @@ class MeshBuilder {
   void prism(const Pose& T_world_prism, const std::vector<Eigen::Vector2d>& outline, double y0, double y1);
   /// Surface of rows x columns cells through the points at(0 … rows, 0 … columns), seen from the side of
   /// (step of row) x (step of column).
-  void patch(int rows, int columns, const std::function<Eigen::Vector3d(int, int)>& at);
+  void patch(int rows, int columns, const std::function<Eigen::Vector3d(int, int)>& at,
+             const std::function<bool(int, int)>& where = nullptr);
   /// Closed cylinder from a to b.
   void cylinder(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius, int sides = 8);
   void sphere(const Eigen::Vector3d& centre, double radius, int rings = 8);
-  /// Surface z = height(x, y) over a rectangle, in cells of about `cell_m`, seen from above.
+  /// Surface z = height(x, y) over a rectangle, in cells of about `cell_m`, seen from above; only cells whose centre is
+  /// in `where`, if given.
   void terrain(double x0, double y0, double x1, double y1, double cell_m,
-               const std::function<double(double, double)>& height);
+               const std::function<double(double, double)>& height,
+               const std::function<bool(double, double)>& where = nullptr);
   /// Leaves: small triangles at random within an ellipsoid, `density` per m^3, of about leaf_m across.
   void foliage(const Eigen::Vector3d& centre, const Eigen::Vector3d& radii, double density, double leaf_m,
                RandomSequence& random);

@@ -34,7 +34,7 @@ void addCabin(MeshBuilder& builder, const Pose& T, const Cabin& c, const std::st
   };
   for (int k = 0; k < 4; ++k) {
     const int panes = k % 2 == 0 ? windows : 1;
-    const double pillar = k % 2 == 0 ? 0.05 : 0.04;
+    const double pillar = k % 2 == 0 ? 0.1 / windows : 0.04;
     builder.material(paint);
     strip(k, 0, 1, 0.9, 1);
     for (int i = 0; i <= panes; ++i) {

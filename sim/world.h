@@ -22,18 +22,19 @@ struct Actor {
   double pathLength() const;
 };
 
-/// A way through the world that a robot can take: 1.5 m clear on both sides.
+/// A way through the world that can be driven: 1.5 m clear of everything on both sides, with room to round its corners
+/// by a radius of 6 m. A drive starts at the first point and heads for the second.
 struct Route {
   std::string name;
-  std::vector<Eigen::Vector3d> points;  ///< [m]; z near the ground
-  bool closed = false;
+  std::vector<Eigen::Vector3d> points;  ///< [m], world; z is about the ground
+  bool closed = false;                  ///< from the last point on to the first
 };
 
 struct World {
   std::string name;
   Mesh mesh;
   std::vector<Actor> actors;
-  std::vector<Route> routes;
+  std::vector<Route> routes;  ///< the first is the world's natural drive
 };
 
 }  // namespace scslam::sim

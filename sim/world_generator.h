@@ -10,7 +10,8 @@ class WorldGenerator {
  public:
   static constexpr const char* kKind = "world generator";
   virtual ~WorldGenerator() = default;
-  /// The same seed gives the same world, to the bit. @throw usageError for parameters that make no world.
+  /// The same seed gives the same world, to the bit. It has at least one route (world.h); each generator's file says
+  /// which, where they start and which way they head. @throw usageError for parameters that make no world.
   virtual World generate(std::uint64_t seed) const = 0;
 };
 
