@@ -56,6 +56,18 @@ void MeshBuilder::box(const Pose& T_world_bottom, double length, double width, d
   quad(p(-x, y, 0), p(-x, -y, 0), p(-x, -y, z), p(-x, y, z));
 }
 
+void MeshBuilder::prism(const Pose& T_world_prism, const std::vector<Eigen::Vector2d>& outline, double y0, double y1) {
+  const auto p = [&](std::size_t k, double y) {
+    const Eigen::Vector2d& corner = outline[k % outline.size()];
+    return Vector3d(T_world_prism * Vector3d(corner.x(), y, corner.y()));
+  };
+  for (std::size_t k = 0; k < outline.size(); ++k) quad(p(k, y0), p(k, y1), p(k + 1, y1), p(k + 1, y0));
+  for (std::size_t k = 1; k + 1 < outline.size(); ++k) {
+    triangle(p(0, y0), p(k, y0), p(k + 1, y0));
+    triangle(p(0, y1), p(k + 1, y1), p(k, y1));
+  }
+}
+
 void MeshBuilder::cylinder(const Vector3d& a, const Vector3d& b, double radius, int sides) {
   const Vector3d axis = (b - a).normalized();
   const Vector3d u = axis.unitOrthogonal() * radius, v = axis.cross(u);
@@ -89,16 +101,20 @@ void MeshBuilder::terrain(double x0, double y0, double x1, double y1, double cel
                           const std::function<double(double, double)>& height) {
   const int nx = std::max(1, static_cast<int>(std::lround((x1 - x0) / cell_m)));
   const int ny = std::max(1, static_cast<int>(std::lround((y1 - y0) / cell_m)));
+  patch(nx, ny, [&](int i, int j) {
+    const double x = x0 + (x1 - x0) * i / nx, y = y0 + (y1 - y0) * j / ny;
+    return Vector3d(x, y, height(x, y));
+  });
+}
+
+void MeshBuilder::patch(int rows, int columns, const std::function<Vector3d(int, int)>& at) {
   const auto base = static_cast<std::uint32_t>(mesh_.vertices.size());
-  for (int i = 0; i <= nx; ++i)
-    for (int j = 0; j <= ny; ++j) {
-      const double x = x0 + (x1 - x0) * i / nx, y = y0 + (y1 - y0) * j / ny;
-      mesh_.vertices.emplace_back(Vector3d(x, y, height(x, y)).cast<float>());
-    }
-  for (int i = 0; i < nx; ++i)
-    for (int j = 0; j < ny; ++j) {
-      const auto a = base + static_cast<std::uint32_t>(i * (ny + 1) + j);
-      const auto b = a + static_cast<std::uint32_t>(ny + 1);
+  for (int i = 0; i <= rows; ++i)
+    for (int j = 0; j <= columns; ++j) mesh_.vertices.push_back(at(i, j).cast<float>());
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) {
+      const auto a = base + static_cast<std::uint32_t>(i * (columns + 1) + j);
+      const auto b = a + static_cast<std::uint32_t>(columns + 1);
       mesh_.triangles.push_back({a, b, b + 1});
       mesh_.triangles.push_back({a, b + 1, a + 1});
       mesh_.material.insert(mesh_.material.end(), 2, material_);

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "scslam/core/counter_random.h"
 #include "sim/mesh.h"
@@ -23,6 +24,11 @@ class MeshBuilder {
   void box(const Eigen::Vector3d& bottom, double length, double width, double height, double yaw = 0);
   /// Box given by a pose (centre of its bottom) and its size.
   void box(const Pose& T_world_bottom, double length, double width, double height);
+  /// Prism: a convex outline (x, z), counter-clockwise seen from -y, from y0 to y1 of the given frame.
+  void prism(const Pose& T_world_prism, const std::vector<Eigen::Vector2d>& outline, double y0, double y1);
+  /// Surface of rows x columns cells through the points at(0 … rows, 0 … columns), seen from the side of
+  /// (step of row) x (step of column).
+  void patch(int rows, int columns, const std::function<Eigen::Vector3d(int, int)>& at);
   /// Closed cylinder from a to b.
   void cylinder(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius, int sides = 8);
   void sphere(const Eigen::Vector3d& centre, double radius, int rings = 8);

@@ -22,10 +22,18 @@ struct Actor {
   double pathLength() const;
 };
 
+/// A way through the world that a robot can take: 1.5 m clear on both sides.
+struct Route {
+  std::string name;
+  std::vector<Eigen::Vector3d> points;  ///< [m]; z near the ground
+  bool closed = false;
+};
+
 struct World {
   std::string name;
   Mesh mesh;
   std::vector<Actor> actors;
+  std::vector<Route> routes;
 };
 
 }  // namespace scslam::sim

@@ -20,6 +20,8 @@ void SensorModel::describe(ParamVisitor& v) {
   v.field("elevation_deg", elevation_deg, "elevation of each ring, lowest first [deg]; may be empty");
   v.field("translation_m", translation_m, "position of the sensor in the base frame: x y z [m]");
   v.field("rpy_deg", rpy_deg, "roll, pitch, yaw of the sensor in the base frame [deg]; R = Rz(yaw) Ry(pitch) Rx(roll)");
+  v.group("beams", beams, "where and when each beam leaves");
+  v.group("signal", signal, "strength, noise and loss of echoes");
 }
 
 Pose SensorModel::T_base_sensor() const {

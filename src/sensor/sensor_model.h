@@ -5,6 +5,7 @@
 
 #include "scslam/core/cloud.h"
 #include "scslam/core/params.h"
+#include "scslam/sensor/beam_table.h"
 
 namespace scslam {
 
@@ -20,6 +21,9 @@ struct SensorModel : ParamSetOf<SensorModel> {
   std::vector<double> elevation_deg;              ///< per ring, lowest first; may be empty
   std::vector<double> translation_m = {0, 0, 0};  ///< of T_base_sensor
   std::vector<double> rpy_deg = {0, 0, 0};        ///< of T_base_sensor: R = Rz(yaw) Ry(pitch) Rx(roll)
+
+  BeamTable beams;
+  SignalModel signal;
 
   void describe(ParamVisitor& visitor) override;
   Pose T_base_sensor() const;

@@ -1,0 +1,163 @@
+// What the sensor makes of what its beams met: split beams, noise, lost echoes.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/lidar.h"
+
+namespace scslam::sim {
+
+namespace {
+
+/// Rays that stand for one beam: its centre and eight around it, at 0.6 of the width at half power.
+constexpr int kAround = 8;
+constexpr float kCentreShare = 0.3F, kAroundShare = 0.7F / kAround;
+
+/// Echoes of a beam that the receiver cannot tell apart, as one.
+struct Pulse {
+  float weighted_range = 0, signal = 0, last = 0;
+  float strongest = 0;
+  std::uint16_t label = 0, instance = 0;
+  float range() const { return weighted_range / signal; }
+};
+
+}  // namespace
+
+bool Lidar::mayBeSplit(const std::vector<Echo>& centres, int column, int ring) const {
+  const int rings = grid_.rings(), columns = grid_.columns();
+  const auto at = [&](int c, int r) {
+    return centres[static_cast<std::size_t>((c + columns) % columns * rings + r)].range;
+  };
+  const float here = at(column, ring);
+  const float step = 0.2F + 0.02F * here;
+  const auto differs = [&](float other) { return (here > 0) != (other > 0) || std::abs(here - other) > step; };
+  return differs(at(column - 1, ring)) || differs(at(column + 1, ring)) ||
+         (ring > 0 && differs(at(column, ring - 1))) || (ring + 1 < rings && differs(at(column, ring + 1)));
+}
+
+void Lidar::splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column) {
+  std::array<std::size_t, 2> beams{};
+  int n = 0;
+  for (int column = first_column; column < last_column; ++column)
+    for (int ring = 0; ring < grid_.rings(); ++ring) {
+      if ((grid_.active(grid_.tileOf(column, ring)) >> grid_.laneOf(column, ring) & 1U) == 0) continue;
+      if (!mayBeSplit(centres, column, ring)) continue;
+      beams[static_cast<std::size_t>(n++)] = static_cast<std::size_t>(column * grid_.rings() + ring);
+      if (n == 2) splitPair(scene, beams, 2), n = 0;
+    }
+  if (n > 0) splitPair(scene, beams, n);
+}
+
+void Lidar::splitPair(const RayScene& scene, const std::array<std::size_t, 2>& beams, int n) {
+  RayPacket rays;
+  const auto radius = static_cast<float>(0.6e-3 * sensor_.beams.divergence_mrad);
+  for (int i = 0; i < 16; ++i) {
+    const std::size_t beam = beams[static_cast<std::size_t>(std::min(i / kAround, n - 1))];
+    const int column = static_cast<int>(beam) / grid_.rings(), ring = static_cast<int>(beam) % grid_.rings();
+    const Eigen::Vector3f d = grid_.direction(column, ring), o = grid_.origin(column, ring);
+    const Eigen::Vector3f side = Eigen::Vector3f(-d.y(), d.x(), 0).normalized(), up = d.cross(side);
+    const float angle = static_cast<float>(2 * M_PI / kAround) * static_cast<float>(i % kAround);
+    const Eigen::Vector3f ray = (d + radius * (std::cos(angle) * side + std::sin(angle) * up)).normalized();
+    const ColumnPose& pose = columns_[static_cast<std::size_t>(column)];
+    const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(pose.R.data());
+    const Eigen::Vector3f d_world = R * ray;
+    const Eigen::Vector3f o_world = R * o + Eigen::Vector3f(pose.t[0], pose.t[1], pose.t[2]);
+    rays.ray.dir_x[i] = d_world.x(), rays.ray.dir_y[i] = d_world.y(), rays.ray.dir_z[i] = d_world.z();
+    rays.ray.org_x[i] = o_world.x(), rays.ray.org_y[i] = o_world.y(), rays.ray.org_z[i] = o_world.z();
+    rays.ray.tnear[i] = 0, rays.ray.tfar[i] = static_cast<float>(sensor_.max_range_m);
+    rays.ray.time[i] = std::min(1.0F, static_cast<float>(grid_.columnTime(column) / grid_.sweep()));
+    rays.ray.mask[i] = 0xFFFFFFFF, rays.ray.flags[i] = 0, rays.ray.id[i] = 0;
+    rays.hit.geomID[i] = rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  scene.trace(rays, n == 2 ? 0xFFFF : 0xFF);
+  for (int k = 0; k < n; ++k) {
+    std::array<Echo, kAround + 1> parts;
+    for (int i = 0; i < kAround; ++i) {
+      parts[static_cast<std::size_t>(i)] = echoOf(scene, rays, k * kAround + i);
+      parts[static_cast<std::size_t>(i)].signal *= kAroundShare;
+    }
+    const std::size_t beam = beams[static_cast<std::size_t>(k)];
+    parts[kAround] = echoes_[beam];
+    parts[kAround].signal *= kCentreShare;
+    choose(parts, beam);
+  }
+}
+
+void Lidar::choose(std::array<Echo, kBeamParts>& parts, std::size_t beam) {
+  std::sort(parts.begin(), parts.end(), [](const Echo& a, const Echo& b) { return a.range < b.range; });
+  std::array<Pulse, kBeamParts> pulses;
+  std::size_t n = 0;
+  for (const Echo& part : parts) {
+    if (part.range <= 0 || part.signal <= 0) continue;
+    if (n == 0 || part.range - pulses[n - 1].last > static_cast<float>(sensor_.beams.pulse_m)) ++n;
+    Pulse& pulse = pulses[n - 1];
+    pulse.weighted_range += part.range * part.signal, pulse.signal += part.signal, pulse.last = part.range;
+    if (part.signal > pulse.strongest)
+      pulse.strongest = part.signal, pulse.label = part.label, pulse.instance = part.instance;
+  }
+  echoes_[beam] = second_[beam] = {};
+  if (n == 0) return;
+  const auto asEcho = [](const Pulse& p) { return Echo{p.range(), p.signal, p.label, p.instance}; };
+  const auto end = pulses.begin() + static_cast<std::ptrdiff_t>(n);
+  const auto strongest =
+      std::max_element(pulses.begin(), end, [](const Pulse& a, const Pulse& b) { return a.signal < b.signal; });
+  if (effects_.returns == "strongest") {
+    echoes_[beam] = asEcho(*strongest);
+  } else {
+    echoes_[beam] = asEcho(pulses[n - 1]);
+    if (effects_.returns == "dual" && strongest != end - 1) second_[beam] = asEcho(*strongest);
+  }
+}
+
+bool Lidar::report(Echo echo, int column, int ring, std::uint32_t number, std::uint32_t draw, LidarScan& out) const {
+  const SignalModel& s = sensor_.signal;
+  const auto words = random_.block(number, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(ring), draw);
+  if (!weather_.clear()) {
+    const auto more =
+        random_.block(number, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(ring), draw + 16);
+    const float u[3] = {uniformOf(more[0]), uniformOf(more[1]), uniformOf(more[2])};
+    const float hard = echo.range > 0 ? echo.range : static_cast<float>(sensor_.max_range_m);
+    if (const auto air = static_cast<float>(weather_.airEcho(static_cast<double>(hard), u)); air > 0)
+      echo = {air, static_cast<float>(s.floor) * 1.5F, static_cast<std::uint16_t>(Label::kOutlier), 0};
+  }
+  if (echo.range <= 0) return false;
+  if (effects_.dropout && isLost(echo.signal, uniformOf(words[1]))) return false;
+  float r = echo.range;
+  if (effects_.noise) {
+    float sigma = static_cast<float>(s.sigma_m) + static_cast<float>(s.sigma_per_m) * r;
+    if (s.sigma_signal_m > 0) sigma += static_cast<float>(s.sigma_signal_m) * std::pow(echo.signal, -0.63F);
+    r += sigma * normalOf(words[0]);
+    if (const auto q = static_cast<float>(sensor_.beams.range_quantum_m); q > 0) r = std::round(r / q) * q;
+  }
+  if (r < static_cast<float>(sensor_.min_range_m) || r > static_cast<float>(sensor_.max_range_m)) return false;
+  const Eigen::Vector3f p = grid_.origin(column, ring) + r * grid_.direction(column, ring);
+  out.cloud.push(p.x(), p.y(), p.z());
+  out.cloud.intensity.push_back(std::min(std::round(echo.signal), static_cast<float>(s.saturation)));
+  out.cloud.dt.push_back(static_cast<float>(grid_.columnTime(column) + grid_.beamTime(ring)));
+  out.cloud.ring.push_back(static_cast<std::uint16_t>(ring));
+  out.labels.push_back(std::uint32_t{echo.label} | std::uint32_t{echo.instance} << 16);
+  return true;
+}
+
+bool Lidar::isLost(float signal, float u) const {
+  const SignalModel& s = sensor_.signal;
+  if (signal < static_cast<float>(s.floor)) return true;
+  if (u >= static_cast<float>(s.dropout_most)) return false;
+  const float ratio = static_cast<float>(s.dropout_signal) / signal;
+  return u < static_cast<float>(s.dropout_base) +
+                 static_cast<float>(s.dropout_scale) * std::pow(ratio, static_cast<float>(s.dropout_power));
+}
+
+void Lidar::collect(int first_column, int last_column, std::uint32_t number, LidarScan& out) const {
+  const auto most = static_cast<std::size_t>((last_column - first_column) * grid_.rings());
+  out.cloud.reserve(most), out.labels.reserve(most);
+  out.cloud.intensity.reserve(most), out.cloud.dt.reserve(most), out.cloud.ring.reserve(most);
+  for (int column = first_column; column < last_column; ++column)
+    for (int ring = 0; ring < grid_.rings(); ++ring) {
+      const auto beam = static_cast<std::size_t>(column * grid_.rings() + ring);
+      if ((grid_.active(grid_.tileOf(column, ring)) >> grid_.laneOf(column, ring) & 1U) == 0) continue;
+      report(echoes_[beam], column, ring, number, 0, out);
+      if (second_[beam].range > 0) report(second_[beam], column, ring, number, 1, out);
+    }
+}
+
+}  // namespace scslam::sim
