@@ -1,0 +1,27 @@
+// A radar sweep as an observation of an MRPT rawlog.
+#pragma once
+#include <mrpt/obs/CObservation.h>
+
+#include "scslam/sensor/radar_scan.h"
+
+namespace scslam {
+
+/// MRPT 2.5 has no class for radar images. Programs that know this one read it from rawlogs
+/// ("scslam::RadarObservation"); others stop there with "class not registered". `timestamp` is the first row's,
+/// `sensorLabel` the scan's.
+class RadarObservation : public mrpt::obs::CObservation {
+  DEFINE_SERIALIZABLE(RadarObservation, scslam)
+
+ public:
+  RadarObservation() = default;
+  /// @throw inputError for a scan that readers would refuse (see limits in radar_observation.cpp).
+  explicit RadarObservation(RadarScan radar_scan);
+
+  RadarScan scan;
+
+  void getSensorPose(mrpt::poses::CPose3D& T_base_sensor) const override;
+  void setSensorPose(const mrpt::poses::CPose3D& T_base_sensor) override;
+  void getDescriptionAsText(std::ostream& out) const override;
+};
+
+}  // namespace scslam
