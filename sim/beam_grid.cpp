@@ -44,6 +44,9 @@ BeamGrid::BeamGrid(const SensorModel& sensor) : rings_(sensor.rings), columns_(s
   const BeamTable& beams = sensor.beams;
   if (beams.origin_radius_m > 0 || !beams.height_m.empty() || !beams.lateral_m.empty()) origins_.assign(tiles_ * 48, 0);
   for (int r = 0; r < rings_; ++r) times_.push_back(ofRing(beams.time_us, r) * 1e-6);
+  for (int r = 0; r < rings_; ++r)
+    shift_.push_back(static_cast<int>(std::lround(ofRing(beams.azimuth_offset_deg, r) * columns_ / 360)) *
+                     (sensor.clockwise ? 1 : -1));
   beams_have_times_ = std::any_of(times_.begin(), times_.end(), [](double t) { return t > 0; });
   for (std::size_t tile = 0; tile < tiles_; ++tile)
     for (int lane = 0; lane < 16; ++lane) addBeam(tile, lane, sensor);

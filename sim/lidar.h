@@ -43,6 +43,11 @@ class BeamGrid {
            static_cast<std::size_t>(ring / tile_rings_);
   }
   int laneOf(int column, int ring) const { return ring % tile_rings_ * tile_columns_ + column % tile_columns_; }
+  /// Column in which `other` ring looks to where `ring` looks in `column` (beams of a column may be staggered).
+  int sameAzimuth(int column, int ring, int other) const {
+    const auto shift = [this](int r) { return shift_[static_cast<std::size_t>(r)]; };
+    return (column + shift(other) - shift(ring) + columns_) % columns_;
+  }
   bool isActive(int column, int ring) const {
     return (active_[tileOf(column, ring)] >> laneOf(column, ring) & 1U) != 0;
   }
@@ -70,6 +75,7 @@ class BeamGrid {
   bool beams_have_times_ = false;
   std::vector<float> directions_, origins_;
   std::vector<double> times_;
+  std::vector<int> shift_;  ///< columns by which a ring's azimuth offset leads
   std::vector<std::uint32_t> active_;
 };
 

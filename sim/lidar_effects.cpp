@@ -36,7 +36,9 @@ bool Lidar::mayBeSplit(const std::vector<Echo>& centres, int column, int ring) c
     return here * std::abs(here / before + here / after - 2) > 2 * kStep;
   };
   return bends(at(column - 1, ring), at(column + 1, ring)) ||
-         (ring > 0 && ring + 1 < rings && bends(at(column, ring - 1), at(column, ring + 1)));
+         (ring > 0 && ring + 1 < rings &&
+          bends(at(grid_.sameAzimuth(column, ring, ring - 1), ring - 1),
+                at(grid_.sameAzimuth(column, ring, ring + 1), ring + 1)));
 }
 
 std::uint64_t Lidar::splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column,
