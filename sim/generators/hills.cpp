@@ -1,7 +1,7 @@
 // Hilly country: a winding road that closes, with constant slopes up and down, fields, trees, fences, a few houses.
 //
 // The road runs counter-clockwise around the origin and starts south of it, heading east (+x) and uphill. Its length
-// follows from height and slope: 40 m at 8 % make about 2.6 km, 12 m about 0.8 km. Route "loop", closed, on its
+// follows from height and slope: 40 m at 8 % make about 2.8 km, 12 m about 0.8 km. Route "loop", closed, on its
 // right-hand lane.
 #include <algorithm>
 #include <cmath>

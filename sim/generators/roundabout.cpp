@@ -97,7 +97,7 @@ class Roundabout : public WorldGenerator {
     const double r = inner();
     const Line rim = resampled(arc(Vector3d::Zero(), r, 0, 360, 3), 1);
     builder.material("kerb");
-    addRibbon(builder, rim, {0, 0.3}, {kKerb, kKerb}, rough, true);
+    addRibbon(builder, rim, {0, 0.3, 0.9}, {kKerb, kKerb, -0.2}, rough, true);
     addRibbon(builder, rim, {-0.01, 0}, {-0.15, kKerb}, rough, true);
     builder.material("grass");
     const int rings = static_cast<int>(r - 0.3);
