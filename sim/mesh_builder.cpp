@@ -113,16 +113,23 @@ void MeshBuilder::terrain(double x0, double y0, double x1, double y1, double cel
 
 void MeshBuilder::patch(int rows, int columns, const std::function<Vector3d(int, int)>& at,
                         const std::function<bool(int, int)>& where) {
-  const auto base = static_cast<std::uint32_t>(mesh_.vertices.size());
-  for (int i = 0; i <= rows; ++i)
-    for (int j = 0; j <= columns; ++j) mesh_.vertices.push_back(at(i, j).cast<float>());
+  constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  std::vector<std::uint32_t> index(static_cast<std::size_t>(rows + 1) * static_cast<std::size_t>(columns + 1), kNone);
+  const auto vertex = [&](int i, int j) {
+    std::uint32_t& k =
+        index[static_cast<std::size_t>(i) * static_cast<std::size_t>(columns + 1) + static_cast<std::size_t>(j)];
+    if (k == kNone) {
+      k = static_cast<std::uint32_t>(mesh_.vertices.size());
+      mesh_.vertices.push_back(at(i, j).cast<float>());
+    }
+    return k;
+  };
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
       if (where && !where(i, j)) continue;
-      const auto a = base + static_cast<std::uint32_t>(i * (columns + 1) + j);
-      const auto b = a + static_cast<std::uint32_t>(columns + 1);
-      mesh_.triangles.push_back({a, b, b + 1});
-      mesh_.triangles.push_back({a, b + 1, a + 1});
+      const std::uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i + 1, j + 1), d = vertex(i, j + 1);
+      mesh_.triangles.push_back({a, b, c});
+      mesh_.triangles.push_back({a, c, d});
       mesh_.material.insert(mesh_.material.end(), 2, material_);
       mesh_.instance.insert(mesh_.instance.end(), 2, instance_);
     }

@@ -25,8 +25,8 @@ class Blocks : public WorldGenerator {
     int columns = 8, rows = 4;
     double period_m = 40, height_m = 12, landmark_m = 200;
     void describe(ParamVisitor& v) override {
-      v.field("columns", columns, "blocks along x", 3, 60);
-      v.field("rows", rows, "blocks along y", 3, 60);
+      v.field("columns", columns, "blocks along x", 3, 24);
+      v.field("rows", rows, "blocks along y", 3, 24);
       v.field("period_m", period_m, "from street to street, a multiple of 4 [m]", 32, 200);
       v.field("height_m", height_m, "of the houses [m]", 3, 60);
       v.field("landmark_m", landmark_m, "from landmark to landmark along a street; 0: none [m]", 0, 1e6);
@@ -102,25 +102,25 @@ class Blocks : public WorldGenerator {
     return builder.take();
   }
 
+  /// Face, top and a back that dives under the pavement.
   static void addKerb(MeshBuilder& builder, const Vector3d& a, const Vector3d& b) {
-    const Vector3d up(0, 0, kKerb), down(0, 0, -0.1);
-    builder.material("kerb").quad(a + down, b + down, b + up, a + up);
+    addRibbon(builder.material("kerb"), {a, b}, {0, 0.001, 0.12, 0.6}, {-0.1, kKerb, kKerb, -0.1},
+              [](double, double) { return 0.0; });
   }
 
   void addBuilding(MeshBuilder& builder, double low, double high) const {
     const double h = params_.height_m, middle = (low + high) / 2;
     builder.newInstance();
-    addFacade(builder, {low, low, 0.1}, {high, low, 0.1}, h, "brick", true);
-    addFacade(builder, {high, low, 0.1}, {high, high, 0.1}, h, "brick", false);
-    addFacade(builder, {high, high, 0.1}, {low, high, 0.1}, h, "brick", true);
-    addFacade(builder, {low, high, 0.1}, {low, low, 0.1}, h, "brick", false);
-    builder.material("roof").quad({low, low, h + 0.1}, {high, low, h + 0.1}, {high, high, h + 0.1},
-                                  {low, high, h + 0.1});
-    builder.box({middle, middle - 4, h + 0.1}, 4, 3, 2.2);
+    addFacade(builder, {low, low, 0}, {high, low, 0}, h, "brick", true);
+    addFacade(builder, {high, low, 0}, {high, high, 0}, h, "brick", false);
+    addFacade(builder, {high, high, 0}, {low, high, 0}, h, "brick", true);
+    addFacade(builder, {low, high, 0}, {low, low, 0}, h, "brick", false);
+    builder.material("roof").quad({low, low, h}, {high, low, h}, {high, high, h}, {low, high, h});
+    builder.box({middle, middle - 4, h}, 4, 3, 2.2);
     builder.material("plaster");  // balconies to the south, a cornice all around
     for (double z = 3.1; z + 2 < h; z += 3)
       for (const double x : {middle - 8, middle + 8}) builder.box({x, low - 0.45, z}, 2.4, 0.9, 1.0);
-    for (const double y : {low - 0.1, high + 0.1}) builder.box({middle, y, h - 0.35}, high - low + 0.4, 0.2, 0.35);
+    for (const double y : {low - 0.1, high}) builder.box({middle, y, h - 0.35}, high - low + 0.4, 0.2, 0.35);
     builder.noInstance();
   }
 

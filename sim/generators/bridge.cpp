@@ -107,13 +107,19 @@ class Bridge : public WorldGenerator {
     const auto ground = [&](double x, double y) {
       return land(behind(x), y) + rough(x, y) * (isRoad(behind(x), y) ? 1 : 2.2);
     };
-    // Road and what is near it in cells of 1 m, the rest in cells of 5 m.
-    builder.material("asphalt").terrain(x0, -20, x1, 20, 1, ground,
+    // Road and what is near it in cells of 1 m, the rest in cells of 5 m; each dives under the other where they meet.
+    constexpr double kNear = 20;
+    const auto fine = [&](double x, double y) { return ground(x, y) - (std::abs(y) > kNear ? 0.3 : 0); };
+    const auto coarse = [&](double x, double y) { return ground(x, y) - (std::abs(y) < kNear ? 0.3 : 0); };
+    const auto shore = [&](double x, double y) { return ground(x, y) - (behind(x) > 1 ? 0.3 : 0); };
+    builder.material("asphalt").terrain(x0, -kNear - 1, x1, kNear + 1, 1, fine,
                                         [&](double x, double y) { return isRoad(behind(x), y); });
-    builder.material("grass").terrain(x0, -20, x1, 20, 1, ground,
+    builder.material("grass").terrain(x0, -kNear - 1, x1, kNear + 1, 1, fine,
                                       [&](double x, double y) { return !isRoad(behind(x), y); });
-    for (const double y0 : {-150.0, 20.0}) builder.terrain(x0, y0, x1, y0 + 130, 5, ground);
-    builder.material("soil").terrain(side > 0 ? end - 18 : -end, -150, side > 0 ? end : -end + 18, 150, 3, ground);
+    builder.terrain(x0, -150, x1, -kNear + 5, 5, coarse);
+    builder.terrain(x0, kNear - 5, x1, 150, 5, coarse);
+    builder.material("soil");
+    builder.terrain(side > 0 ? end - 18 : -end - 3, -150, side > 0 ? end + 3 : -end + 18, 150, 3, shore);
     addThings(builder, side, ground, random);
   }
 

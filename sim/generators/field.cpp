@@ -77,12 +77,15 @@ class Field : public WorldGenerator {
       const double off = std::max(0.0, distance(x, y) - half);
       return rough(x, y) * (off > 0 || isMedian(x, y) ? 1.6 : 0.7) + 0.4 * std::sin(x / 23) * std::min(1.0, off / 40);
     };
+    // Fine cells near the road dive under the coarse ones, which dive under the fine ones: no gaps.
     const double near = std::ceil(half + 8);
-    builder.material("asphalt").terrain(-x1, -near, x1, near, 1, ground, isRoad);
-    builder.material("grass").terrain(-x1, -near, x1, near, 1, ground,
-                                      [&](double x, double y) { return !isRoad(x, y); });
-    builder.terrain(-x1, near, x1, far, 4, ground);
-    builder.terrain(-x1, -near - 45, x1, -near, 4, ground);
+    const auto fine = [&](double x, double y) { return ground(x, y) - (std::abs(y) > near ? 0.3 : 0); };
+    const auto coarse = [&](double x, double y) { return ground(x, y) - (std::abs(y) < near ? 0.3 : 0); };
+    builder.material("asphalt").terrain(-x1, -near - 1, x1, near + 1, 1, fine, isRoad);
+    builder.material("grass");
+    builder.terrain(-x1, -near - 1, x1, near + 1, 1, fine, [&](double x, double y) { return !isRoad(x, y); });
+    builder.terrain(-x1, near - 4, x1, far, 4, coarse);
+    builder.terrain(-x1, -near - 45, x1, -near + 4, 4, coarse);
     builder.material("water");  // the river, to the south, behind its bank
     builder.terrain(-x1 - 200, -near - 400, x1 + 200, -near - 45, 50, [](double, double) { return -2.5; });
     builder.material("soil");

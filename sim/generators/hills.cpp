@@ -1,7 +1,7 @@
 // Hilly country: a winding road that closes, with constant slopes up and down, fields, trees, fences, a few houses.
 //
 // The road runs counter-clockwise around the origin and starts south of it, heading east (+x) and uphill. Its length
-// follows from height and slope: 40 m at 8 % make about 2.6 km, 12 m about 0.8 km. Route "loop", closed, on its
+// follows from height and slope: 40 m at 8 % make about 2.8 km, 12 m about 0.8 km. Route "loop", closed, on its
 // right-hand lane.
 #include <algorithm>
 #include <cmath>
@@ -44,6 +44,9 @@ class Hills : public WorldGenerator {
     if (radius_ < 45)
       throw usageError("hills of {} m with slopes of {} leave no room for a road (loop of {:.0f} m): higher or flatter",
                        params_.height_m, params_.slope, 2 * M_PI * radius_);
+    if (radius_ > 2000)
+      throw usageError("hills of {} m with slopes of {} make a loop of {:.0f} km: lower or steeper, 12 km at most",
+                       params_.height_m, params_.slope, 2 * M_PI * radius_ / 1000);
   }
 
   World generate(std::uint64_t seed) const override {
@@ -121,12 +124,17 @@ class Hills : public WorldGenerator {
       }
       addRibbon(builder, road, offsets, lifts, ground, true);
     }
+    // Coarse cells reach in under the verge, where they lie deeper.
     const double reach = 1.25 * radius_ + 70;
-    builder.terrain(-reach, -reach, reach, reach, 5, ground, [&](double x, double y) {
-      const double angle = std::atan2(x, -y);
-      const Vector3d p(x, y, 0), road_there = at(angle);
-      return std::abs(p.norm() - road_there.head<2>().norm()) > 2 * kVerge || distance(road, p) > kVerge - 1;
-    });
+    const auto fromRoad = [&](double x, double y) {
+      const Vector3d p(x, y, 0);
+      const double radial = std::abs(p.norm() - at(std::atan2(x, -y)).head<2>().norm());
+      return radial > 3 * kVerge ? radial : distance(road, p);
+    };
+    builder.terrain(
+        -reach, -reach, reach, reach, 5,
+        [&](double x, double y) { return ground(x, y) - (fromRoad(x, y) < kVerge - 0.5 ? 0.6 : 0); },
+        [&](double x, double y) { return fromRoad(x, y) > kVerge - 4; });
   }
 
   /// From the road's middle, in plan.

@@ -23,8 +23,8 @@ class Roundabout : public WorldGenerator {
     double radius_m = 20, arm_m = 90;
     int turns = 5;
     void describe(ParamVisitor& v) override {
-      v.field("radius_m", radius_m, "of the circle that is driven, in the middle of a road of 12 m [m]", 14, 200);
-      v.field("arm_m", arm_m, "length of the arms beyond the circle [m]", 25, 1000);
+      v.field("radius_m", radius_m, "of the circle that is driven, in the middle of a road of 12 m [m]", 14, 100);
+      v.field("arm_m", arm_m, "length of the arms beyond the circle [m]", 25, 400);
       v.field("turns", turns, "of the route \"turns\"", 1, 1000);
     }
   };
@@ -53,7 +53,8 @@ class Roundabout : public WorldGenerator {
   double reach() const { return outer() + params_.arm_m; }
 
   Line turns() const {
-    const double enter = 180 + 25, leave = 360 - 25, end = reach() - 10;
+    const double off = std::asin(8.5 / params_.radius_m) * 180 / M_PI;
+    const double enter = 180 + off, leave = 360 - off, end = reach() - 15;
     Line line = {{-end, -kLane, 0}, {-outer() - 8, -kLane, 0}};
     const Line around = arc(Vector3d::Zero(), params_.radius_m, enter, leave + 360.0 * params_.turns, 10);
     line.insert(line.end(), around.begin(), around.end());
@@ -83,20 +84,20 @@ class Roundabout : public WorldGenerator {
 
   void addGround(MeshBuilder& builder, const RoughGround& rough) const {
     const double r = std::ceil(reach());
-    builder.material("asphalt").terrain(-r, -r, r, r, 1, rough, [&](double x, double y) {
+    builder.material("asphalt").terrain(-r - 2, -r - 2, r + 2, r + 2, 1, rough, [&](double x, double y) {
       return outside(x, y) < 2.5 && std::hypot(x, y) > inner() - 2;
     });
     builder.material("grass").terrain(
         -r - 40, -r - 40, r + 40, r + 40, 2,
-        [&](double x, double y) { return 2 * rough(x, y) + kKerb - 0.1 * std::clamp(4.2 - outside(x, y), 0.0, 1.0); },
-        [&](double x, double y) { return std::max(std::abs(x), std::abs(y)) > r || outside(x, y) > 2; });
+        [&](double x, double y) { return 2 * rough(x, y) + kKerb - 0.1 * std::clamp(5.2 - outside(x, y), 0.0, 1.0); },
+        [&](double x, double y) { return std::max(std::abs(x), std::abs(y)) > r || outside(x, y) > 3; });
   }
 
   void addIsland(MeshBuilder& builder, const RoughGround& rough, RandomSequence& random) const {
     const double r = inner();
     const Line rim = resampled(arc(Vector3d::Zero(), r, 0, 360, 3), 1);
     builder.material("kerb");
-    addRibbon(builder, rim, {0, 0.3}, {kKerb, kKerb}, rough, true);
+    addRibbon(builder, rim, {0, 0.3, 0.9}, {kKerb, kKerb, -0.2}, rough, true);
     addRibbon(builder, rim, {-0.01, 0}, {-0.15, kKerb}, rough, true);
     builder.material("grass");
     const int rings = static_cast<int>(r - 0.3);
@@ -122,7 +123,7 @@ class Roundabout : public WorldGenerator {
     builder.material("kerb");
     addRibbon(builder, line, {-0.3, -0.01, 0}, {kKerb, kKerb, -0.15}, rough);
     builder.material("paving");
-    addRibbon(builder, line, {-4.2, -3.3, -2.3, -1.3, -0.3}, {-0.3, kKerb, kKerb, kKerb, kKerb}, rough);
+    addRibbon(builder, line, {-5.2, -4.2, -2.9, -1.6, -0.3}, {-0.3, kKerb, kKerb, kKerb, kKerb}, rough);
     const Pose turn = poseFromYaw(quadrant * M_PI / 2, Vector3d::Zero());
     const auto place = [&](double x, double y, double yaw) {
       return Pose(turn * poseFromYaw(yaw, Vector3d(x, y, kKerb)));

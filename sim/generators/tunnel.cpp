@@ -1,7 +1,7 @@
-// A road tunnel of round section that bends one way and back, with 80 m of open road before and behind it.
+// A road tunnel of round section that bends one way and back, with 105 m of open road before and behind it.
 //
 // The road begins at the origin and heads along +x. Round section: a circle of radius_m whose middle is
-// kMiddle above the road. Route "through": in the middle of the right-hand lane from 10 m on; turn-about is not
+// kMiddle above the road. Route "through": in the middle of the right-hand lane from 30 m on; turn-about is not
 // provided for.
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMiddle = 1.4, kOpen = 80, kStep = 1.5, kWalk = 0.8;  // [m]
+constexpr double kMiddle = 1.4, kOpen = 105, kStep = 1.5, kWalk = 0.8;  // [m]
 
 class Tunnel : public WorldGenerator {
  public:
@@ -88,7 +88,7 @@ class Tunnel : public WorldGenerator {
   Line lane(const Line& line) const {
     const Line left = leftOf(line);
     Line result;
-    for (std::size_t i = 7; i + 7 < line.size(); i += 4) result.push_back(line[i] - left[i] * halfWidth() * 0.35);
+    for (std::size_t i = 20; i + 20 < line.size(); i += 4) result.push_back(line[i] - left[i] * halfWidth() * 0.35);
     return result;
   }
 
@@ -149,8 +149,12 @@ class Tunnel : public WorldGenerator {
     const double half = halfWidth();
     const auto ground = [&](double x, double y) { return 2 * rough(x, y); };
     builder.material("grass");
-    addRibbon(builder, line, steps(half, half + 40, 20), std::vector<double>(21, 0.02), ground);
-    addRibbon(builder, line, steps(-half - 40, -half, 20), std::vector<double>(21, 0.02), ground);
+    auto offsets = steps(half, half + 40, 20), lifts = std::vector<double>(21, 0.02);
+    offsets.insert(offsets.begin(), half - 0.5), lifts.insert(lifts.begin(), -0.25);  // in under the road
+    addRibbon(builder, line, offsets, lifts, ground);
+    std::reverse(offsets.begin(), offsets.end()), std::reverse(lifts.begin(), lifts.end());
+    for (double& offset : offsets) offset = -offset;
+    addRibbon(builder, line, offsets, lifts, ground);
     addPortal(builder, line[mouth], left[mouth], before);
     for (const double side : {-1.0, 1.0}) {
       const std::size_t a = before ? 0 : 2, b = before ? line.size() - 3 : line.size() - 1;
