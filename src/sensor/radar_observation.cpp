@@ -12,8 +12,8 @@
 #include "scslam/core/mrpt_pose.h"
 #include "scslam/sensor/guarded_archive.h"
 
-IMPLEMENTS_SERIALIZABLE(RadarObservation, CObservation, scslam)
-MRPT_INITIALIZER(registerRadarObservation) { mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(RadarObservation, scslam)); }
+IMPLEMENTS_SERIALIZABLE(CObservationRadar, CObservation, scslam)
+MRPT_INITIALIZER(registerRadarObservation) { mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CObservationRadar, scslam)); }
 
 namespace scslam {
 
@@ -67,29 +67,29 @@ void readRows(mrpt::serialization::CArchive& in, RadarScan& scan) {
 
 }  // namespace
 
-RadarObservation::RadarObservation(RadarScan radar_scan) : scan(std::move(radar_scan)) {
+CObservationRadar::CObservationRadar(RadarScan radar_scan) : scan(std::move(radar_scan)) {
   if (const char* fault = faultOf(scan)) throw inputError("a radar scan cannot be kept: {}", fault);
   timestamp = scan.stamps.empty() ? Stamp{} : scan.stamps.front();
   sensorLabel = scan.label;
 }
 
-void RadarObservation::getSensorPose(mrpt::poses::CPose3D& T_base_sensor) const {
+void CObservationRadar::getSensorPose(mrpt::poses::CPose3D& T_base_sensor) const {
   T_base_sensor = toMrpt(scan.T_base_sensor);
 }
 
-void RadarObservation::setSensorPose(const mrpt::poses::CPose3D& T_base_sensor) {
+void CObservationRadar::setSensorPose(const mrpt::poses::CPose3D& T_base_sensor) {
   scan.T_base_sensor = fromMrpt(T_base_sensor);
 }
 
-void RadarObservation::getDescriptionAsText(std::ostream& out) const {
+void CObservationRadar::getDescriptionAsText(std::ostream& out) const {
   CObservation::getDescriptionAsText(out);
   out << fmt::format("Spinning radar: {} azimuths x {} bins of {} m, range offset {} m\n", scan.azimuths, scan.bins,
                      scan.range_resolution_m, scan.range_offset_m);
 }
 
-std::uint8_t RadarObservation::serializeGetVersion() const { return 0; }
+std::uint8_t CObservationRadar::serializeGetVersion() const { return 0; }
 
-void RadarObservation::serializeTo(mrpt::serialization::CArchive& out) const {
+void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
   if (const char* fault = faultOf(scan)) refuse(fault);
   out << timestamp << sensorLabel;
   const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T = scan.T_base_sensor.matrix().topRows<3>();
@@ -103,7 +103,7 @@ void RadarObservation::serializeTo(mrpt::serialization::CArchive& out) const {
   }
 }
 
-void RadarObservation::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
+void CObservationRadar::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
   if (version != 0) refuse(fmt::format("version {} is newer than this program", version));
   in >> timestamp >> sensorLabel;
   RadarScan read;
