@@ -21,9 +21,9 @@ static_assert(std::endian::native == std::endian::little, "arrays are written as
 
 namespace {
 
-constexpr std::size_t kMaxAzimuths = 1 << 14, kMaxBins = 1 << 16;  // real ones: 400 x 3768
-constexpr double kMaxResolution = 100, kMaxOffset = 1000;          // [m]
-constexpr std::size_t kBytesPerRow = 8 + 8 + 1;                    // stamp, angle, validity
+constexpr std::size_t kMaxAzimuths = 1 << 14, kMaxBins = 1 << 16, kMaxLabel = 4096;  // real ones: 400 x 3768
+constexpr double kMaxResolution = 100, kMaxOffset = 1000;                            // [m]
+constexpr std::size_t kBytesPerRow = 8 + 8 + 1;                                      // stamp, angle, validity
 
 /// What is wrong with a scan, nullptr if nothing.
 const char* faultOf(const RadarScan& scan) {
@@ -48,6 +48,15 @@ void readArray(mrpt::serialization::CArchive& in, T* to, std::size_t count) {
 template <class T>
 void writeArray(mrpt::serialization::CArchive& out, const T* from, std::size_t count) {
   out.WriteBuffer(from, count * sizeof(T));
+}
+
+/// As MRPT writes a string, but it would take memory for whatever length is stated.
+std::string readLabel(mrpt::serialization::CArchive& in) {
+  const auto length = in.ReadAs<std::uint32_t>();
+  if (length > kMaxLabel) refuse(fmt::format("a label of {} bytes is absurd", length));
+  std::string label(length, '\0');
+  if (length != 0) readArray(in, label.data(), length);
+  return label;
 }
 
 /// Grows with the bytes that are there, whatever size was stated.
@@ -91,6 +100,7 @@ std::uint8_t CObservationRadar::serializeGetVersion() const { return 0; }
 
 void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
   if (const char* fault = faultOf(scan)) refuse(fault);
+  if (sensorLabel.size() > kMaxLabel) refuse("its label is too long");
   out << timestamp << sensorLabel;
   const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T = scan.T_base_sensor.matrix().topRows<3>();
   writeArray(out, T.data(), 12);
@@ -105,7 +115,8 @@ void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
 
 void CObservationRadar::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
   if (version != 0) refuse(fmt::format("version {} is newer than this program", version));
-  in >> timestamp >> sensorLabel;
+  in >> timestamp;
+  sensorLabel = readLabel(in);
   RadarScan read;
   Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T;
   readArray(in, T.data(), 12);
