@@ -46,7 +46,9 @@ void RadarModel::describe(ParamVisitor& v) {
           85);
   v.field("range_width_m", range_width_m, "half-power width of the range response [m]", 0.001, 100);
   v.field("gain_db", gain_db, "power of 1 m^2 at 10 m in mid-beam, over one quantum of power [dB]", -100, 200);
-  v.field("noise", noise, "mean power of thermal noise [quanta]; 0: none", 0, 1e6);
+  v.field("noise", noise, "mean power of thermal noise [quanta]; 0: no noise of any kind", 0, 1e6);
+  v.field("phase_noise_db", phase_noise_db, "mean power of the noise that a row's own echoes add, over their sum [dB]",
+          -200, 0);
   v.field("speckle", speckle, "echoes add up with random phases (else their powers do)");
   v.field("saturation_db", saturation_db, "power where the receiver saturates, over one quantum [dB]", 0, 200);
   v.field("streak_db", streak_db, "rise of the noise behind a return that just saturates [dB]", 0, 100);
@@ -80,6 +82,10 @@ Radar::Radar(RadarModel model, std::uint64_t seed, std::uint32_t unit)
   };
   if (!threeNumbers(model_.translation_m) || !threeNumbers(model_.rpy_deg))
     throw usageError("radar '{}': translation_m and rpy_deg need three numbers each", model_.name);
+  constexpr double kMostRays = 2e7;
+  if (static_cast<double>(model_.azimuths) * model_.rays_per_azimuth > kMostRays)
+    throw usageError("radar '{}': {} azimuths x {} rays are too many", model_.name, model_.azimuths,
+                     model_.rays_per_azimuth);
 }
 
 RadarScan Radar::scan(const RayScene& scene, const Trajectory& drive, double start_s, std::uint32_t number,

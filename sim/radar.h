@@ -26,14 +26,14 @@ struct RadarModel : ParamSetOf<RadarModel> {
   int azimuths = 400, bins = 3768;
   double rate_hz = 4;
   double range_resolution_m = 0.0432, range_offset_m = 0, min_range_m = 2.5;
-  double beam_azimuth_deg = 1.8, beam_elevation_deg = 2, fill_in_deg = 40;
+  double beam_azimuth_deg = 1.8, beam_elevation_deg = 4, fill_in_deg = 40;
   double range_width_m = 0.37;
-  double gain_db = 56, noise = 1.6;
+  double gain_db = 72, noise = 1.5;
   bool speckle = true;
-  double saturation_db = 70, streak_db = 12;
+  double phase_noise_db = -72, saturation_db = 70, streak_db = 10;
   double doppler_beta_s = 0.049;
   int max_bounces = 3, rays_per_azimuth = 192;
-  double surface_slope_deg = 5;
+  double surface_slope_deg = 12;
   std::string compression = "log";
   double counts_per_db = 2;
   std::vector<double> translation_m = {0, 0, 0}, rpy_deg = {0, 0, 0};

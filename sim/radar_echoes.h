@@ -27,7 +27,7 @@ struct RadarRow {
   std::uint32_t number;      ///< for random numbers
 };
 
-/// How a surface scatters: a share diffuse (Lambert), the rest by facets of Gaussian slopes (geometrical optics), both
+/// How a surface scatters: a share diffusely, the rest by facets of Gaussian slopes (geometrical optics), both
 /// times Fresnel's reflectivity.
 class RadarSurface {
  public:

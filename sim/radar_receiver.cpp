@@ -41,7 +41,8 @@ RadarReceiver::RadarReceiver(const RadarModel& model, const RadarAntenna& antenn
       row_width_(2 * M_PI / model.azimuths),
       sigma_(std::max(0.3, model.range_width_m / model.range_resolution_m / (2 * std::sqrt(std::log(2.0))))),
       saturation_(std::pow(10.0, model.saturation_db / 10)),
-      streak_(std::pow(10.0, model.streak_db / 10)) {
+      streak_(std::pow(10.0, model.streak_db / 10)),
+      phase_noise_(std::pow(10.0, model.phase_noise_db / 10)) {
   reach_ = static_cast<int>(std::ceil(antenna.azimuthReach() / row_width_));
   half_ = static_cast<std::size_t>(std::ceil(kResponseSigmas * sigma_));
   taps_ = 2 * half_ + 1;
@@ -51,6 +52,11 @@ RadarReceiver::RadarReceiver(const RadarModel& model, const RadarAntenna& antenn
                        (static_cast<double>(f) + 0.5) / static_cast<double>(kFractions);
       response_.push_back(static_cast<float>(std::exp(-x * x / (2 * sigma_ * sigma_))));
     }
+  noise_step_ = static_cast<std::size_t>(std::max(1.0, std::floor(sigma_ / 1.2)));
+  for (std::size_t k = half_ % noise_step_; k < taps_; k += noise_step_) {
+    const auto h = static_cast<double>(response_[kFractions / 2 * taps_ + k]);
+    noise_squares_ += h * h;
+  }
   for (std::size_t p = 0; p < kTable; ++p) table_.push_back(level(static_cast<double>(p)));
 }
 
@@ -83,9 +89,11 @@ void RadarReceiver::addEchoes(std::span<const std::vector<RadarEcho>> rows, Line
     const int later = reach_ - static_cast<int>(r);  // this row after the one the echo's ray belongs to
     const double turned = later * row_width_, seconds = later * model_.rowTime();
     for (const RadarEcho& echo : rows[r]) {
-      const double gains = antenna_.azimuthGain(static_cast<double>(echo.azimuth_out) - turned) *
-                           antenna_.azimuthGain(static_cast<double>(echo.azimuth_in) - turned);
-      const float power = echo.power * static_cast<float>(gains);
+      const double out = antenna_.azimuthGain(static_cast<double>(echo.azimuth_out) - turned);
+      const double in = echo.azimuth_in == echo.azimuth_out
+                            ? out
+                            : antenna_.azimuthGain(static_cast<double>(echo.azimuth_in) - turned);
+      const float power = echo.power * static_cast<float>(out * in);
       if (power < kFaintest) continue;
       const double range = echo.range + seconds * echo.motion + model_.doppler_beta_s * echo.doppler;
       const float amplitude = std::sqrt(power);
@@ -94,34 +102,27 @@ void RadarReceiver::addEchoes(std::span<const std::vector<RadarEcho>> rows, Line
   }
 }
 
-/// White noise, closer together than the response is wide, through the response. Behind a return that saturates the
-/// receiver it rises.
+/// White noise, closer together than the response is wide, through the response: thermal noise, and the transmitter's
+/// phase noise on all that comes back in this row. Behind a return that saturates the receiver it rises.
 void RadarReceiver::addNoise(std::uint32_t number, Line& line) const {
-  const double step = std::max(1.0, std::floor(sigma_ / 1.2));
-  double squares = 0;  // of the responses that meet in a bin
-  for (double x = -kResponseSigmas * sigma_; x <= kResponseSigmas * sigma_; x += step)
-    squares += std::exp(-x * x / (sigma_ * sigma_));
-  std::size_t behind = line.re.size();
-  float peak = 0;
+  std::size_t saturated_from = line.re.size();
+  double peak = 0, sum = 0;
   for (std::size_t i = taps_; i + taps_ < line.re.size(); ++i) {
-    const float p = line.total(i);
-    if (static_cast<double>(p) > saturation_) behind = std::min(behind, i), peak = std::max(peak, p);
+    const double p = static_cast<double>(line.total(i));
+    sum += p;
+    if (p > saturation_) saturated_from = std::min(saturated_from, i), peak = std::max(peak, p);
   }
-  const double quiet = std::sqrt(model_.noise / squares / 2);
-  const double raised = quiet * std::sqrt(1 + streak_ * static_cast<double>(peak) / saturation_);
+  const double mean = model_.noise + phase_noise_ * sum, quiet = std::sqrt(mean / noise_squares_ / 2);
+  const double raised = quiet * std::sqrt(1 + streak_ * peak / saturation_);
+  const float* response = &response_[kFractions / 2 * taps_];
   std::array<std::uint32_t, 4> words{};
   std::uint32_t node = 0;
-  for (double x = -kResponseSigmas * sigma_; x < static_cast<double>(model_.bins) + kResponseSigmas * sigma_;
-       x += step, ++node) {
+  for (std::size_t begin = 0; begin + taps_ <= line.re.size(); begin += noise_step_, ++node) {
     if (node % 2 == 0) words = random_.block(scan_, number, node / 2, kNoise);
-    const bool after = x + static_cast<double>(taps_) > static_cast<double>(behind);
-    const auto scale = static_cast<float>(after ? raised : quiet);
     const std::size_t pair = node % 2 * 2;
-    const float re = scale * normalOf(words[pair]), im = scale * normalOf(words[pair + 1]);
-    const double first = x - static_cast<double>(half_) + static_cast<double>(taps_);
-    const auto begin = static_cast<std::size_t>(std::max(0.0, first));
-    if (begin + taps_ <= line.re.size())
-      addScaled(response_.data() + kFractions / 2 * taps_, taps_, re, im, &line.re[begin], &line.im[begin]);
+    const auto scale = static_cast<float>(begin + half_ > saturated_from ? raised : quiet);
+    addScaled(response, taps_, scale * normalOf(words[pair]), scale * normalOf(words[pair + 1]), &line.re[begin],
+              &line.im[begin]);
   }
 }
 

@@ -40,11 +40,13 @@ class RadarReceiver {
   std::uint32_t scan_;
   int reach_ = 0;
   double resolution_, offset_, row_width_;
-  double sigma_;                ///< of the range response's amplitude [bins]
-  double saturation_, streak_;  ///< [quanta], factor
-  std::size_t half_ = 0, taps_ = 0;
-  std::vector<float> response_;      ///< kFractions x taps_: amplitude
-  std::vector<std::uint8_t> table_;  ///< levels of small powers, rounded
+  double sigma_;                              ///< of the range response's amplitude [bins]
+  double saturation_, streak_, phase_noise_;  ///< [quanta], factor
+  std::size_t half_ = 0, taps_ = 0;           ///< of a response [bins]
+  std::size_t noise_step_ = 1;                ///< between the sources of noise [bins]
+  double noise_squares_ = 0;                  ///< sum of the squared responses of those that meet in a bin
+  std::vector<float> response_;               ///< kFractions x taps_: amplitude
+  std::vector<std::uint8_t> table_;           ///< levels of small powers, rounded
 };
 
 }  // namespace scslam::sim

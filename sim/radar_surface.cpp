@@ -22,14 +22,17 @@ double RadarSurface::scattered(const Eigen::Vector3d& incoming, const Eigen::Vec
   const double cos_in = -normal.dot(incoming), cos_out = normal.dot(leaving);
   if (!(cos_in > 0) || !(cos_out > 0)) return 0;
   const double diffuse = static_cast<double>(material_.radar_diffuse);
-  const double lambert = diffuse * reflectivity(cos_in) / M_PI * cos_out;
+  // Lommel-Seeliger: towards grazing, backscatter falls with the sine as ground clutter does ("constant gamma"), not
+  // with its square as Lambert's. A share 1 - ln 2 of its albedo / 2 comes back at normal incidence.
+  constexpr double kAlbedo = 2 / (1 - M_LN2), kMeanCosine = 0.7;
+  const double rough = diffuse * reflectivity(kMeanCosine) * kAlbedo / (4 * M_PI * (cos_in + cos_out)) * cos_out;
   const Eigen::Vector3d half = (leaving - incoming).normalized();
   const double cos_half = normal.dot(half), c2 = cos_half * cos_half, s2 = slope_ * slope_;
   const double exponent = (1 - c2) / (2 * s2 * std::max(c2, 1e-9));
-  if (exponent > 40) return lambert;
+  if (exponent > 40) return rough;
   const double facets = std::exp(-exponent) / (2 * M_PI * s2 * c2 * c2);
   constexpr double kGrazing = 0.05;  // nearer to the horizon facets hide each other
-  return lambert + mirrored(half.dot(leaving)) * facets / (4 * std::max(cos_in, kGrazing));
+  return rough + mirrored(half.dot(leaving)) * facets / (4 * std::max(cos_in, kGrazing));
 }
 
 }  // namespace scslam::sim

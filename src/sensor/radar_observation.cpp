@@ -12,8 +12,8 @@
 #include "scslam/core/mrpt_pose.h"
 #include "scslam/sensor/guarded_archive.h"
 
-IMPLEMENTS_SERIALIZABLE(RadarObservation, CObservation, scslam)
-MRPT_INITIALIZER(registerRadarObservation) { mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(RadarObservation, scslam)); }
+IMPLEMENTS_SERIALIZABLE(CObservationRadar, CObservation, scslam)
+MRPT_INITIALIZER(registerRadarObservation) { mrpt::rtti::registerClass(CLASS_ID_NAMESPACE(CObservationRadar, scslam)); }
 
 namespace scslam {
 
@@ -21,9 +21,9 @@ static_assert(std::endian::native == std::endian::little, "arrays are written as
 
 namespace {
 
-constexpr std::size_t kMaxAzimuths = 1 << 14, kMaxBins = 1 << 16;  // real ones: 400 x 3768
-constexpr double kMaxResolution = 100, kMaxOffset = 1000;          // [m]
-constexpr std::size_t kBytesPerRow = 8 + 8 + 1;                    // stamp, angle, validity
+constexpr std::size_t kMaxAzimuths = 1 << 14, kMaxBins = 1 << 16, kMaxLabel = 4096;  // real ones: 400 x 3768
+constexpr double kMaxResolution = 100, kMaxOffset = 1000;                            // [m]
+constexpr std::size_t kBytesPerRow = 8 + 8 + 1;                                      // stamp, angle, validity
 
 /// What is wrong with a scan, nullptr if nothing.
 const char* faultOf(const RadarScan& scan) {
@@ -50,6 +50,15 @@ void writeArray(mrpt::serialization::CArchive& out, const T* from, std::size_t c
   out.WriteBuffer(from, count * sizeof(T));
 }
 
+/// As MRPT writes a string, but it would take memory for whatever length is stated.
+std::string readLabel(mrpt::serialization::CArchive& in) {
+  const auto length = in.ReadAs<std::uint32_t>();
+  if (length > kMaxLabel) refuse(fmt::format("a label of {} bytes is absurd", length));
+  std::string label(length, '\0');
+  if (length != 0) readArray(in, label.data(), length);
+  return label;
+}
+
 /// Grows with the bytes that are there, whatever size was stated.
 void readRows(mrpt::serialization::CArchive& in, RadarScan& scan) {
   for (std::size_t i = 0; i < scan.azimuths; ++i) {
@@ -67,30 +76,31 @@ void readRows(mrpt::serialization::CArchive& in, RadarScan& scan) {
 
 }  // namespace
 
-RadarObservation::RadarObservation(RadarScan radar_scan) : scan(std::move(radar_scan)) {
+CObservationRadar::CObservationRadar(RadarScan radar_scan) : scan(std::move(radar_scan)) {
   if (const char* fault = faultOf(scan)) throw inputError("a radar scan cannot be kept: {}", fault);
   timestamp = scan.stamps.empty() ? Stamp{} : scan.stamps.front();
   sensorLabel = scan.label;
 }
 
-void RadarObservation::getSensorPose(mrpt::poses::CPose3D& T_base_sensor) const {
+void CObservationRadar::getSensorPose(mrpt::poses::CPose3D& T_base_sensor) const {
   T_base_sensor = toMrpt(scan.T_base_sensor);
 }
 
-void RadarObservation::setSensorPose(const mrpt::poses::CPose3D& T_base_sensor) {
+void CObservationRadar::setSensorPose(const mrpt::poses::CPose3D& T_base_sensor) {
   scan.T_base_sensor = fromMrpt(T_base_sensor);
 }
 
-void RadarObservation::getDescriptionAsText(std::ostream& out) const {
+void CObservationRadar::getDescriptionAsText(std::ostream& out) const {
   CObservation::getDescriptionAsText(out);
   out << fmt::format("Spinning radar: {} azimuths x {} bins of {} m, range offset {} m\n", scan.azimuths, scan.bins,
                      scan.range_resolution_m, scan.range_offset_m);
 }
 
-std::uint8_t RadarObservation::serializeGetVersion() const { return 0; }
+std::uint8_t CObservationRadar::serializeGetVersion() const { return 0; }
 
-void RadarObservation::serializeTo(mrpt::serialization::CArchive& out) const {
+void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
   if (const char* fault = faultOf(scan)) refuse(fault);
+  if (sensorLabel.size() > kMaxLabel) refuse("its label is too long");
   out << timestamp << sensorLabel;
   const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T = scan.T_base_sensor.matrix().topRows<3>();
   writeArray(out, T.data(), 12);
@@ -103,9 +113,10 @@ void RadarObservation::serializeTo(mrpt::serialization::CArchive& out) const {
   }
 }
 
-void RadarObservation::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
+void CObservationRadar::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
   if (version != 0) refuse(fmt::format("version {} is newer than this program", version));
-  in >> timestamp >> sensorLabel;
+  in >> timestamp;
+  sensorLabel = readLabel(in);
   RadarScan read;
   Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T;
   readArray(in, T.data(), 12);

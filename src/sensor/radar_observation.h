@@ -7,15 +7,15 @@
 namespace scslam {
 
 /// MRPT 2.5 has no class for radar images. Programs that know this one read it from rawlogs
-/// ("scslam::RadarObservation"); others stop there with "class not registered". `timestamp` is the first row's,
+/// ("scslam::CObservationRadar"); others stop there with "class not registered". `timestamp` is the first row's,
 /// `sensorLabel` the scan's.
-class RadarObservation : public mrpt::obs::CObservation {
-  DEFINE_SERIALIZABLE(RadarObservation, scslam)
+class CObservationRadar : public mrpt::obs::CObservation {
+  DEFINE_SERIALIZABLE(CObservationRadar, scslam)
 
  public:
-  RadarObservation() = default;
+  CObservationRadar() = default;
   /// @throw inputError for a scan that readers would refuse (see limits in radar_observation.cpp).
-  explicit RadarObservation(RadarScan radar_scan);
+  explicit CObservationRadar(RadarScan radar_scan);
 
   RadarScan scan;
 
