@@ -224,19 +224,17 @@ Trajectory planDrive(const DriveParams& p, const std::vector<Route>& routes, con
   const Timetable table = timetable(path, p);
   const double end = std::min(p.duration_s, table.t.back());
   if (!(end > 0)) throw usageError("the drive lasts {} s: nothing to simulate", p.duration_s);
-  std::vector<double> x, y, z;
-  for (const Vector3d& point : path.points) x.push_back(point.x()), y.push_back(point.y()), z.push_back(point.z());
+  std::vector<double> x, y;
+  for (const Vector3d& point : path.points) x.push_back(point.x()), y.push_back(point.y());
   std::vector<Pose> control;
-  double hint = z.front();
+  double hint = path.points.front().z();
   const auto knots = static_cast<int>(std::ceil(end / kKnot));
   for (int k = -1; k <= knots + 1; ++k) {
     const double t = std::clamp(k * kKnot, 0.0, table.t.back());
     const double s = interpolated(table.t, table.s, t), speed = interpolated(table.t, table.v, t);
     const double forward = (interpolated(table.t, table.v, t + 0.3) - interpolated(table.t, table.v, t - 0.3)) / 0.6;
     const double sideways = speed * speed * interpolated(path.s, path.curvature, s);
-    // The route's z is a hint where it is given; else the ground is followed from where the robot was.
-    const double route_z = interpolated(path.s, z, s);
-    if (route_z != 0 || k < 1) hint = route_z;
+    // The ground is followed from where the robot was: the route's z matters at its start only.
     control.push_back(onGround({interpolated(path.s, x, s), interpolated(path.s, y, s), hint},
                                interpolated(path.s, path.heading, s), forward, sideways, p, ground));
     hint = control.back().translation().z();

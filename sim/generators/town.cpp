@@ -319,7 +319,7 @@ class Town final : public WorldGenerator {
     const int nx = p_.blocks_x, ny = p_.blocks_y;
     const auto route = [&](const std::string& name, bool closed, const std::vector<std::array<int, 2>>& junctions) {
       Route r{name, {}, closed};
-      for (const auto& [i, j] : junctions) r.points.push_back(junction(i, j));
+      for (const auto& [i, j] : junctions) r.points.push_back(onRoad(junction(i, j)));
       world.routes.push_back(std::move(r));
     };
     route("around", true, {{0, 0}, {nx, 0}, {nx, ny}, {0, ny}});

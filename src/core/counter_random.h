@@ -1,6 +1,7 @@
 // Random numbers that depend on their coordinates alone (seed, stream, scan, column, ring, draw), never on who asked
 // first: Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011).
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -20,11 +21,13 @@ inline std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
 }
 
 /// A word as a number in (0, 1), never 0 nor 1.
-inline float uniformOf(std::uint32_t word) { return (static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F; }
+inline float uniformOf(std::uint32_t word) {
+  return std::min((static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F, 0x1.fffffep-1F);
+}
 
 /// Standard normal from a word by the inverse error function (Giles 2010, single precision): one word, one number.
 inline float normalOf(std::uint32_t word) {
-  const float x = (static_cast<float>(word >> 8) + 0.5F) * 0x1p-23F - 1.0F;
+  const float x = std::min((static_cast<float>(word >> 8) + 0.5F) * 0x1p-23F - 1.0F, 1 - 0x1p-24F);
   float w = -std::log((1.0F - x) * (1.0F + x)), p;
   if (w < 5.0F) {
     w -= 2.5F;

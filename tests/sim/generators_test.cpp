@@ -43,8 +43,9 @@ TEST_P(EveryWorld, HasSoundTrianglesAndMaterials) {
   EXPECT_LT(box.sizes().maxCoeff(), 5000);
 }
 
-/// Every point of every route has ground below and nothing near.
-void expectDrivable(const World& world) {
+/// Every point of every route has ground below and nothing near that stands: what moves keeps clear of the robot.
+void expectDrivable(World world) {
+  world.actors.clear();
   const RayScene scene(world);
   ASSERT_FALSE(world.routes.empty());
   for (const Route& route : world.routes) {
@@ -86,7 +87,14 @@ TEST_P(EveryWorld, HasGroundWithoutGaps) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Generators, EveryWorld, ::testing::ValuesIn(Generators::instance().names()),
+/// All but the one that reads a file (mesh_file_test.cpp).
+std::vector<std::string> procedural() {
+  auto names = Generators::instance().names();
+  std::erase(names, "mesh");
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Generators, EveryWorld, ::testing::ValuesIn(procedural()),
                          [](const auto& world) { return world.param; });
 
 struct Setting {
