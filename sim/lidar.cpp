@@ -80,14 +80,15 @@ void Lidar::poseColumns(const Trajectory& drive, double start_s, ThreadPool& thr
   threads.forEachChunk(columns_.size(), kColumnsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t c = begin; c < end; ++c) {
       const double t = start_s + (effects_.rolling ? grid_.columnTime(static_cast<int>(c)) : 0);
-      const MotionState s = drive.state(t);
-      const Pose T_world_sensor = s.T_world_base * T_base_sensor_;
-      const Eigen::Vector3d arm = s.T_world_base.linear() * T_base_sensor_.translation();
-      const Eigen::Vector3d spin_world = s.T_world_base.linear() * s.angular_velocity;
+      const Pose T_world_base = drive.pose(t), T_world_sensor = T_world_base * T_base_sensor_;
       ColumnPose& column = columns_[c];
       for (int k = 0; k < 9; ++k)
         column.R[static_cast<std::size_t>(k)] = static_cast<float>(T_world_sensor.linear()(k / 3, k % 3));
       column.t = asFloats(T_world_sensor.translation());
+      if (!grid_.beamsHaveTimes()) continue;
+      const MotionState s = drive.state(t);
+      const Eigen::Vector3d arm = T_world_base.linear() * T_base_sensor_.translation();
+      const Eigen::Vector3d spin_world = T_world_base.linear() * s.angular_velocity;
       column.velocity = asFloats(s.velocity + spin_world.cross(arm));
       column.spin = asFloats(spin_world);
     }

@@ -110,10 +110,15 @@ class Lidar {
   const std::vector<Echo>& echoes() const { return echoes_; }  ///< [column * rings + ring]
 
  private:
-  static constexpr std::size_t kAround = 4;                 ///< rays around the centre of a beam that may be split
+  static constexpr std::size_t kAround = 2;  ///< rays beside the centre of a beam that may be split
   static constexpr std::size_t kBeamParts = kAround + 1;
   static constexpr std::size_t kBeamsPerPacket = 16 / kAround;
-  using Beams = std::array<std::size_t, kBeamsPerPacket>;
+  /// A beam that an edge may split: upright (between columns) or level (between rings).
+  struct SplitBeam {
+    int column = 0, ring = 0;
+    bool upright = true;
+  };
+  using SplitBeams = std::array<SplitBeam, kBeamsPerPacket>;
   struct ColumnPose {
     std::array<float, 9> R;         ///< T_world_sensor, row-major
     std::array<float, 3> t;         ///<
@@ -126,8 +131,9 @@ class Lidar {
   Echo echoOf(const RayScene& scene, const RayPacket& rays, int lane) const;
   /// @return rays traced.
   std::uint64_t splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column);
-  bool mayBeSplit(const std::vector<Echo>& centres, int column, int ring) const;
-  void splitSome(const RayScene& scene, const Beams& beams, std::size_t n);
+  /// @return whether an edge may split this beam, which way.
+  bool mayBeSplit(const std::vector<Echo>& centres, SplitBeam& beam) const;
+  void splitSome(const RayScene& scene, const SplitBeams& beams, std::size_t n);
   void choose(std::array<Echo, kBeamParts>& parts, std::size_t beam);
   bool isLost(float signal, float u) const;
   bool report(Echo echo, int column, int ring, std::uint32_t number, std::uint32_t draw, LidarScan& out) const;

@@ -9,9 +9,8 @@ namespace scslam::sim {
 
 namespace {
 
-/// Rays that stand for one beam: its centre and four around it, at 0.45 of the width at half power.
-constexpr float kCentreShare = 0.4F, kAroundShare = 0.15F;
-constexpr std::array<std::array<float, 2>, 4> kSides = {{{0.45F, 0}, {0, 0.45F}, {-0.45F, 0}, {0, -0.45F}}};
+/// Rays that stand for a split beam: its centre and one on each side of the edge, at 0.4 of the width at half power.
+constexpr float kCentreShare = 0.5F, kSideShare = 0.25F, kSide = 0.4F;
 
 /// Echoes of a beam that the receiver cannot tell apart, as one.
 struct Pulse {
@@ -24,58 +23,59 @@ struct Pulse {
 }  // namespace
 
 /// On a plane 1 / range is linear along rings and columns, to second order in their step: what is not, is an edge.
-bool Lidar::mayBeSplit(const std::vector<Echo>& centres, int column, int ring) const {
+bool Lidar::mayBeSplit(const std::vector<Echo>& centres, SplitBeam& beam) const {
   constexpr float kStep = 0.3F;  ///< [m]
   const int rings = grid_.rings(), columns = grid_.columns();
   const auto at = [&](int c, int r) {
     return centres[static_cast<std::size_t>((c + columns) % columns * rings + r)].range;
   };
-  const float here = at(column, ring);
-  const auto bends = [&](float before, float after) {
-    if (here <= 0 || before <= 0 || after <= 0) return here > 0 || before > 0 || after > 0;
-    return here * std::abs(here / before + here / after - 2) > 2 * kStep;
+  const float here = at(beam.column, beam.ring);
+  const auto step = [here](float before, float after) {
+    if (here <= 0 || before <= 0 || after <= 0) return here > 0 || before > 0 || after > 0 ? 1000.0F : 0.0F;
+    return here * std::abs(here / before + here / after - 2) / 2;
   };
-  return bends(at(column - 1, ring), at(column + 1, ring)) ||
-         (ring > 0 && ring + 1 < rings &&
-          bends(at(grid_.sameAzimuth(column, ring, ring - 1), ring - 1),
-                at(grid_.sameAzimuth(column, ring, ring + 1), ring + 1)));
+  const float across = step(at(beam.column - 1, beam.ring), at(beam.column + 1, beam.ring));
+  float along = 0;
+  if (const int below = beam.ring - 1, above = beam.ring + 1; below >= 0 && above < rings)
+    along = step(at(grid_.sameAzimuth(beam.column, beam.ring, below), below),
+                 at(grid_.sameAzimuth(beam.column, beam.ring, above), above));
+  beam.upright = across >= along;
+  return std::max(across, along) > kStep;
 }
 
 std::uint64_t Lidar::splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column,
                                 int last_column) {
-  Beams beams{};
+  SplitBeams beams{};
   std::uint64_t split = 0;
   std::size_t n = 0;
   for (int column = first_column; column < last_column; ++column)
     for (int ring = 0; ring < grid_.rings(); ++ring) {
-      if (!grid_.isActive(column, ring)) continue;
-      if (!mayBeSplit(centres, column, ring)) continue;
+      beams[n] = {column, ring, true};
+      if (!grid_.isActive(column, ring) || !mayBeSplit(centres, beams[n])) continue;
       ++split;
-      beams[n++] = static_cast<std::size_t>(column * grid_.rings() + ring);
-      if (n == kBeamsPerPacket) splitSome(scene, beams, std::exchange(n, 0));
+      if (++n == kBeamsPerPacket) splitSome(scene, beams, std::exchange(n, 0));
     }
   if (n > 0) splitSome(scene, beams, n);
   return split * kAround;
 }
 
-void Lidar::splitSome(const RayScene& scene, const Beams& beams, std::size_t n) {
+void Lidar::splitSome(const RayScene& scene, const SplitBeams& beams, std::size_t n) {
   RayPacket rays;
   const auto width = static_cast<float>(1e-3 * sensor_.beams.divergence_mrad);
   for (std::size_t i = 0; i < 16; ++i) {
-    const std::size_t beam = beams[std::min(i / kAround, n - 1)];
-    const int column = static_cast<int>(beam) / grid_.rings(), ring = static_cast<int>(beam) % grid_.rings();
-    const Eigen::Vector3f d = grid_.direction(column, ring), o = grid_.origin(column, ring);
-    const Eigen::Vector3f side = Eigen::Vector3f(-d.y(), d.x(), 0).normalized(), up = d.cross(side);
-    const auto& [right, above] = kSides[i % kAround];
-    const Eigen::Vector3f ray = (d + width * (right * side + above * up)).normalized();
-    const ColumnPose& pose = columns_[static_cast<std::size_t>(column)];
+    const SplitBeam& beam = beams[std::min(i / kAround, n - 1)];
+    const Eigen::Vector3f d = grid_.direction(beam.column, beam.ring), o = grid_.origin(beam.column, beam.ring);
+    const Eigen::Vector3f left = Eigen::Vector3f(-d.y(), d.x(), 0).normalized();
+    const Eigen::Vector3f aside = beam.upright ? left : Eigen::Vector3f(d.cross(left));
+    const Eigen::Vector3f ray = (d + (i % kAround == 0 ? kSide : -kSide) * width * aside).normalized();
+    const ColumnPose& pose = columns_[static_cast<std::size_t>(beam.column)];
     const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(pose.R.data());
     const Eigen::Vector3f d_world = R * ray;
     const Eigen::Vector3f o_world = R * o + Eigen::Vector3f(pose.t[0], pose.t[1], pose.t[2]);
     rays.ray.dir_x[i] = d_world.x(), rays.ray.dir_y[i] = d_world.y(), rays.ray.dir_z[i] = d_world.z();
     rays.ray.org_x[i] = o_world.x(), rays.ray.org_y[i] = o_world.y(), rays.ray.org_z[i] = o_world.z();
     rays.ray.tnear[i] = 0, rays.ray.tfar[i] = static_cast<float>(sensor_.max_range_m);
-    rays.ray.time[i] = std::min(1.0F, static_cast<float>(grid_.columnTime(column) / grid_.sweep()));
+    rays.ray.time[i] = std::min(1.0F, static_cast<float>(grid_.columnTime(beam.column) / grid_.sweep()));
     rays.ray.mask[i] = 0xFFFFFFFF, rays.ray.flags[i] = 0, rays.ray.id[i] = 0;
     rays.hit.geomID[i] = rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
@@ -84,11 +84,12 @@ void Lidar::splitSome(const RayScene& scene, const Beams& beams, std::size_t n) 
     std::array<Echo, kBeamParts> parts;
     for (std::size_t i = 0; i < kAround; ++i) {
       parts[i] = echoOf(scene, rays, static_cast<int>(k * kAround + i));
-      parts[i].signal *= kAroundShare;
+      parts[i].signal *= kSideShare;
     }
-    parts[kAround] = echoes_[beams[k]];
+    const auto beam = static_cast<std::size_t>(beams[k].column * grid_.rings() + beams[k].ring);
+    parts[kAround] = echoes_[beam];
     parts[kAround].signal *= kCentreShare;
-    choose(parts, beams[k]);
+    choose(parts, beam);
   }
 }
 
