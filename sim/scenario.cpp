@@ -22,6 +22,27 @@ void LidarParams::describe(ParamVisitor& v) {
   v.group("effects", effects, "what the sensor adds to the truth");
 }
 
+void RadarParams::describe(ParamVisitor& v) {
+  v.field("on", on, "is there a radar");
+  v.field("sensor", sensor, "its table: a shipped name (cts350-x, cir204-h) or a YAML file");
+  v.field("translation_m", translation_m, "position of the sensor in the base frame: x y z [m]");
+  v.field("rpy_deg", rpy_deg, "roll, pitch, yaw of the sensor in the base frame [deg]");
+  v.field("png", png, "write OUT.radar/<stamp in us>.png too, as the Oxford Radar RobotCar data set has them");
+}
+
+RadarModel RadarParams::model() const {
+  RadarModel model;
+  if (std::filesystem::is_regular_file(sensor)) {
+    loadYaml(model, readFile(sensor, 1 << 20), sensor);
+  } else {
+    const auto found = embeddedFiles().find("radars/" + sensor);
+    if (found == embeddedFiles().end()) throw usageError("there is no radar table '{}' (and no such file)", sensor);
+    loadYaml(model, found->second, sensor);
+  }
+  model.translation_m = translation_m, model.rpy_deg = rpy_deg;
+  return model;
+}
+
 void FaultParams::describe(ParamVisitor& v) {
   v.field("lost_scans", lost_scans, "share of the scans that are missing", 0, 0.95);
   v.field("time_offset_s", time_offset_s, "added to the stamps of the scans [s]", -10, 10);
@@ -41,6 +62,7 @@ void TruthParams::describe(ParamVisitor& v) {
 }
 
 void ExpectParams::describe(ParamVisitor& v) {
+  v.field("slam", slam, "is the scenario for SLAM");
   v.field("config", config, "configuration that SLAM runs with; empty: its default");
   v.field("odometry", odometry, "front-end that SLAM runs with; empty: the configuration's");
   v.field("ate_max_m", ate_max_m, "greatest absolute trajectory error, rms [m]; negative: not asked");
@@ -60,6 +82,10 @@ void Scenario::describe(ParamVisitor& v) {
   v.group("world", world, "where it happens");
   v.group("drive", drive, "how the robot moves");
   v.group("lidar", lidar, "the LiDAR");
+  v.group("radar", radar, "the radar");
+  v.group("imu", imu, "the IMU");
+  v.group("wheels", wheels, "wheel odometry");
+  v.group("gnss", gnss, "the GNSS receiver");
   v.group("weather", weather, "rain and fog");
   v.group("faults", faults, "what goes wrong");
   v.group("truth", truth, "what is written beside the rawlog");

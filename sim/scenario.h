@@ -5,8 +5,12 @@
 
 #include "scslam/core/plugin_choice.h"
 #include "sim/drive.h"
+#include "sim/gnss.h"
+#include "sim/imu.h"
 #include "sim/lidar.h"
+#include "sim/radar.h"
 #include "sim/weather.h"
+#include "sim/wheel_odometry.h"
 #include "sim/world_generator.h"
 
 namespace scslam::sim {
@@ -23,6 +27,16 @@ struct LidarParams : ParamSetOf<LidarParams> {
   std::vector<double> translation_m = {0, 0, 1.8}, rpy_deg = {0, 0, 0};  ///< T_base_sensor
   LidarEffects effects;
   void describe(ParamVisitor& v) override;
+};
+
+struct RadarParams : ParamSetOf<RadarParams> {
+  bool on = false;
+  std::string sensor = "cts350-x";                                     ///< shipped (sim/radars) or a file
+  std::vector<double> translation_m = {0, 0, 2}, rpy_deg = {0, 0, 0};  ///< T_base_sensor
+  bool png = false;  ///< also OUT.radar/<stamp in us>.png in Oxford's layout
+  void describe(ParamVisitor& v) override;
+  /// The table, mounted. @throw usageError for an unknown name.
+  RadarModel model() const;
 };
 
 struct FaultParams : ParamSetOf<FaultParams> {
@@ -47,6 +61,7 @@ struct TruthParams : ParamSetOf<TruthParams> {
 
 /// What SLAM on the scenario must reach: the bounds of the regression tests. Negative: not asked.
 struct ExpectParams : ParamSetOf<ExpectParams> {
+  bool slam = true;      ///< does SLAM run on it at all
   std::string config;    ///< `run -c`; empty: the default
   std::string odometry;  ///< `run --odometry`; empty: the configuration's
   double ate_max_m = -1, odometry_ate_max_m = -1, false_loops_max = 0, loops_min = -1, recall_min = -1;
@@ -60,10 +75,15 @@ struct Scenario : ParamSetOf<Scenario> {
   WorldParams world;
   DriveParams drive;
   LidarParams lidar;
+  RadarParams radar;
+  ImuModel imu;
+  WheelOdometryModel wheels;
+  GnssModel gnss;
   Weather weather;
   FaultParams faults;
   TruthParams truth;
   ExpectParams expect;
+  Scenario() { imu.enabled = gnss.enabled = false; }
   void describe(ParamVisitor& v) override;
   std::uint64_t worldSeed() const { return static_cast<std::uint64_t>(world.seed != 0 ? world.seed : seed); }
 };

@@ -1,109 +1,148 @@
-// The loop: sweep after sweep into the rawlog, the truth beside it.
+// The loop: sweep after sweep into the rawlog, in order of time, the truth beside it.
+#include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <future>
+#include <memory>
+#include <utility>
 
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
 #include "scslam/core/log.h"
 #include "scslam/core/progress.h"
-#include "scslam/core/trajectory.h"
+#include "scslam/sensor/oxford_radar.h"
+#include "scslam/sensor/radar_observation.h"
+#include "sim/outputs.h"
 #include "sim/rawlog_writer.h"
-#include "sim/render.h"
-#include "sim/simulation.h"
 
 namespace scslam::sim {
 
 namespace fs = std::filesystem;
+using Observations = std::vector<mrpt::obs::CObservation::Ptr>;
 
 namespace {
 
-/// Simulated drives begin here: 2026-01-01 00:00 UTC. [s]
-constexpr double kEpoch = 1767225600;
+/// How the log introduces itself; `scslam info` shows the first line.
+std::string introduction(const Scenario& s) {
+  std::string sensors;
+  const auto add = [&sensors](bool on, const std::string& name) {
+    if (on) sensors += (sensors.empty() ? "" : ", ") + name;
+  };
+  add(s.lidar.on, s.lidar.sensor), add(s.radar.on, s.radar.sensor), add(s.imu.enabled, "imu");
+  add(s.wheels.enabled, "wheels"), add(s.gnss.enabled, "gnss");
+  return fmt::format("simulated: scenario {}, world {}, seed {}, sensors {}\n{}", s.name, s.world.kind.name, s.seed,
+                     sensors, dumpYaml(s));
+}
 
-/// Names of what lies beside OUT.rawlog.
-struct Outputs {
-  fs::path rawlog, stem;
-  explicit Outputs(const fs::path& output) : rawlog(output), stem(output) {
-    if (rawlog.extension() != ".rawlog") rawlog += ".rawlog";
-    stem = rawlog;
-    stem.replace_extension();
+/// Sensors that sample on their own clocks.
+class Navigation {
+ public:
+  Navigation(const Scenario& s, const Trajectory& drive, const RayScene& scene)
+      : imu_(s.imu, drive, static_cast<std::uint64_t>(s.seed), stampAt(0)),
+        wheels_(s.wheels, drive, static_cast<std::uint64_t>(s.seed), stampAt(0)),
+        gnss_(s.gnss, drive, static_cast<std::uint64_t>(s.seed), stampAt(0), &scene) {}
+  /// What they measured since the last call, in order of time.
+  Observations upTo(double t) {
+    Observations all;
+    const auto keep = [&all](const mrpt::obs::CObservation::Ptr& observation) { all.push_back(observation); };
+    imu_.upTo(t, keep), wheels_.upTo(t, keep), gnss_.upTo(t, keep);
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a->timestamp < b->timestamp; });
+    return all;
   }
-  fs::path operator()(const char* suffix) const { return stem.string() + suffix; }
+
+ private:
+  Imu imu_;
+  WheelOdometry wheels_;
+  Gnss gnss_;
 };
 
-Stamp stampAt(double t) { return stampFromNanoseconds(std::llround((kEpoch + 0.0) * 1e9) + std::llround(t * 1e9)); }
-
-void writeTruthPoses(const Simulation& simulation, const Outputs& out) {
-  std::vector<double> times;
-  for (std::uint32_t k = 0; k < simulation.scans(); ++k) times.push_back(simulation.sweepStart(k));
-  for (double t = 0; t <= simulation.drive().duration(); t += 0.05) times.push_back(t);
-  std::sort(times.begin(), times.end());
-  std::vector<StampedPose> poses;
-  for (const double t : times) {
-    if (!poses.empty() && secondsBetween(poses.back().stamp, stampAt(t)) < 1e-4) continue;
-    poses.push_back({stampAt(t), simulation.drive().pose(t)});
+/// One simulation being written down.
+class Recording {
+ public:
+  Recording(Simulation& simulation, const Outputs& out, int compression, ThreadPool& threads)
+      : simulation_(simulation),
+        out_(out),
+        threads_(threads),
+        rawlog_(out.rawlog, compression),
+        navigation_(simulation.scenario(), simulation.drive(), simulation.scene()) {
+    const Scenario& scenario = simulation.scenario();
+    if (scenario.truth.labels) fs::create_directories(out_(".labels"));
+    if (scenario.radar.on && scenario.radar.png) fs::create_directories(out_(".radar"));
+    rawlog_.add(*asComment(introduction(scenario), stampAt(0)));
   }
-  writeFileAtomically(out(".gt.tum"), formatTum(poses));
-}
 
-void writeFirings(Simulation& simulation, const Outputs& out) {
-  const BeamGrid& grid = simulation.lidar().grid();
-  std::ofstream file(out(".firings.tum"), std::ios::binary);
-  for (std::uint32_t k = 0; k < simulation.scans(); ++k) {
-    std::vector<StampedPose> poses;
-    for (int c = 0; c < grid.columns(); ++c) {
-      const double t = simulation.sweepStart(k) + grid.columnTime(c);
-      poses.push_back({stampAt(t), simulation.drive().pose(t)});
-    }
-    file << formatTum(poses);
+  void lidarSweep(std::uint32_t number, SimulationSummary& summary) {
+    const double start = simulation_.sweepStart(number);
+    LidarScan scan = simulation_.sweep(number, threads_);
+    const std::uint32_t index = summary.scans++;
+    summary.points += scan.cloud.size();
+    const Stamp stamp = stampAt(start + simulation_.scenario().faults.time_offset_s);
+    write(navigation_.upTo(start), [this, index, stamp, taken = std::move(scan)] {
+      rawlog_.add(*asObservation(taken, simulation_.lidar(), stamp, "lidar"));
+      if (simulation_.scenario().truth.labels)
+        writeFileAtomically(out_(".labels") / fmt::format("{:06}.label", index),
+                            {reinterpret_cast<const char*>(taken.labels.data()), taken.labels.size() * 4});
+    });
   }
-  if (!file.flush()) throw inputError("cannot write {}", out(".firings.tum").string());
-}
 
-void writePlaces(Simulation& simulation, const Outputs& out, ThreadPool& threads, SimulationSummary& summary) {
-  const TruthParams& truth = simulation.scenario().truth;
-  if (!truth.loops && !truth.aliases) return;
-  const SensorModel& sensor = simulation.lidar().sensor();
-  const auto places = placesOf(simulation.drive(), sensor.T_base_sensor(), simulation.lidar().grid().sweep(),
-                               simulation.scans(), truth.place_every_m);
-  if (truth.loops) {
-    const auto found = revisits(places, simulation.scene(), sensor.max_range_m, truth.min_travel_m, threads);
-    summary.revisits = found.size();
-    writeFileAtomically(out(".loops.csv"), revisitsCsv(places, found));
+  void radarSweep(std::uint32_t number, SimulationSummary& summary) {
+    const double start = number * simulation_.radar()->model().sweep();
+    RadarScan scan = simulation_.radarSweep(number, threads_);
+    scan.label = "radar";
+    for (Stamp& stamp : scan.stamps) stamp = stampAt(toSeconds(stamp));
+    ++summary.radar_scans;
+    write(navigation_.upTo(start), [this, taken = std::move(scan)] {
+      if (simulation_.scenario().radar.png)
+        writeFileAtomically(out_(".radar") / fmt::format("{}.png", std::llround(toSeconds(taken.stamps[0]) * 1e6)),
+                            encodeOxfordRadar(taken));
+      rawlog_.add(CObservationRadar(taken));
+    });
   }
-  if (truth.aliases) {
-    const auto found = aliases(places, simulation.scene(), sensor.max_range_m, threads);
-    summary.aliases = found.size();
-    writeFileAtomically(out(".aliases.csv"), aliasesCsv(places, found));
+
+  void finish(double end) {
+    write(navigation_.upTo(end), [] {});
+    wait();
+    rawlog_.finish();
   }
-}
 
-void writePictures(Simulation& simulation, const Outputs& out, ThreadPool& threads) {
-  if (!simulation.scenario().truth.pictures) return;
-  const RayScene& scene = simulation.scene();
-  const std::uint32_t middle = simulation.scans() / 3;
-  writeFileAtomically(out(".world.png"),
-                      renderTop(scene, simulation.world().mesh.bounds(), simulation.drive(), threads));
-  for (std::uint32_t k = middle; k < simulation.scans(); ++k)
-    if (const auto scan = simulation.sweep(k, threads)) {
-      writeFileAtomically(out(".scan.png"), renderScan(*scan, simulation.lidar()));
-      break;
-    }
-  writeFileAtomically(out(".oblique.png"),
-                      renderOblique(scene, simulation.drive(), simulation.sweepStart(middle), threads));
-}
+ private:
+  void wait() {
+    if (writing_.valid()) writing_.get();
+  }
+  /// Writes while the next sweep is traced, one after the other.
+  template <class Last>
+  void write(Observations first, Last last) {
+    wait();
+    writing_ = std::async(std::launch::async, [this, first = std::move(first), last = std::move(last)] {
+      for (const auto& observation : first) rawlog_.add(*observation);
+      last();
+    });
+  }
 
-/// How the log introduces itself; `scslam info` shows the first lines.
-std::string introduction(const Simulation& simulation) {
-  const Scenario& s = simulation.scenario();
-  return fmt::format("scslam sim: scenario {}, seed {}, world {}, LiDAR {}\n{}", s.name, s.seed, s.world.kind.name,
-                     s.lidar.sensor, dumpYaml(s));
-}
+  Simulation& simulation_;
+  const Outputs& out_;
+  ThreadPool& threads_;
+  RawlogWriter rawlog_;
+  Navigation navigation_;
+  std::future<void> writing_;  ///< last member: it ends before what it uses
+};
 
-void writeLabels(const LidarScan& scan, const Outputs& out, std::uint32_t number) {
-  writeFileAtomically(out(".labels") / fmt::format("{:06}.label", number),
-                      {reinterpret_cast<const char*>(scan.labels.data()), scan.labels.size() * 4});
+/// All sweeps of both sensors by their start.
+struct Sweep {
+  double start;
+  bool radar;
+  std::uint32_t number;
+};
+
+std::vector<Sweep> schedule(const Simulation& simulation) {
+  std::vector<Sweep> sweeps;
+  for (const std::uint32_t k : simulation.recorded()) sweeps.push_back({simulation.sweepStart(k), false, k});
+  if (const Radar* radar = simulation.radar()) {
+    const double period = radar->model().sweep();
+    for (std::uint32_t k = 0; (k + 1) * period <= simulation.drive().duration() + 1e-9; ++k)
+      sweeps.push_back({k * period, true, k});
+  }
+  std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) { return a.start < b.start; });
+  return sweeps;
 }
 
 }  // namespace
@@ -112,49 +151,33 @@ SimulationSummary simulate(const Scenario& scenario, const SimulateOptions& opti
   const Outputs out(options.output);
   if (fs::exists(out.rawlog) && !options.overwrite)
     throw usageError("{} exists: choose another -o, or -w to replace it", out.rawlog.string());
-  if (out.rawlog.has_parent_path()) fs::create_directories(out.rawlog.parent_path());
   const auto begin = std::chrono::steady_clock::now();
   Simulation simulation(scenario, context);
   SimulationSummary summary;
   summary.triangles = simulation.world().mesh.size();
-  summary.length_m = simulation.drive().length();
+  summary.length_m = simulation.drive().length(), summary.duration_s = simulation.drive().duration();
   summary.collision = simulation.collision();
   if (!summary.collision.empty()) logWarn(context.log, "{}", summary.collision);
-  if (simulation.scans() == 0)
-    throw usageError("the drive lasts {:.2f} s: shorter than one sweep", simulation.drive().duration());
+  const std::vector<Sweep> sweeps = schedule(simulation);
+  if (sweeps.empty()) throw usageError("the drive lasts {:.2f} s: shorter than one sweep", summary.duration_s);
 
-  if (scenario.truth.labels) fs::create_directories(out(".labels"));
-  RawlogWriter rawlog(out.rawlog, options.compression);
-  rawlog.add(*asComment(introduction(simulation), stampAt(0)));
-  Progress progress("simulating", simulation.scans(), options.quiet);
-  std::future<void> writing;  // of the sweep before, while the next is traced
-  for (std::uint32_t k = 0; k < simulation.scans(); ++k) {
-    if (options.stop != nullptr && *options.stop) {
-      summary.stopped = true;
-      break;
-    }
-    auto scan = simulation.sweep(k, context.threads);
-    if (writing.valid()) writing.get();
-    progress.update(k + 1);
-    if (!scan) continue;
-    ++summary.scans;
-    summary.points += scan->cloud.size();
-    const Stamp stamp = stampAt(simulation.sweepStart(k) + scenario.faults.time_offset_s);
-    writing = std::async(std::launch::async, [&, number = summary.scans - 1, stamp, taken = std::move(*scan)] {
-      rawlog.add(*asObservation(taken, simulation.lidar(), stamp, "lidar"));
-      if (scenario.truth.labels) writeLabels(taken, out, number);
-    });
+  if (out.rawlog.has_parent_path()) fs::create_directories(out.rawlog.parent_path());
+  Recording recording(simulation, out, options.compression, context.threads);
+  Progress progress("simulating", sweeps.size(), options.quiet);
+  std::size_t done = 0;
+  for (const Sweep& sweep : sweeps) {
+    summary.stopped = options.stop != nullptr && *options.stop;
+    if (summary.stopped) break;
+    if (sweep.radar)
+      recording.radarSweep(sweep.number, summary);
+    else
+      recording.lidarSweep(sweep.number, summary);
+    progress.update(++done);
   }
-  if (writing.valid()) writing.get();
   progress.finish();
-  rawlog.finish();
+  recording.finish(summary.stopped ? sweeps[done].start : summary.duration_s);
   summary.rays = simulation.lidar().rays();
-  summary.duration_s = simulation.drive().duration();
-  writeFileAtomically(out(".yaml"), dumpYaml(scenario));
-  writeTruthPoses(simulation, out);
-  if (scenario.truth.firings) writeFirings(simulation, out);
-  writePlaces(simulation, out, context.threads, summary);
-  writePictures(simulation, out, context.threads);
+  writeTruth(simulation, out, context.threads, summary);
   summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   summary.sha256 = sha256Of(out.rawlog);
   return summary;

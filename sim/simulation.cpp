@@ -37,6 +37,8 @@ Simulation::Simulation(const Scenario& scenario, const PluginContext& context) :
   drive_ = std::make_unique<Trajectory>(planDrive(scenario.drive, world_->routes, groundOf(*scene_)));
   lidar_ = std::make_unique<Lidar>(mounted(scenario.lidar), scenario.lidar.effects, scenario.weather,
                                    static_cast<std::uint64_t>(scenario.seed));
+  if (scenario.radar.on)
+    radar_ = std::make_unique<Radar>(scenario.radar.model(), static_cast<std::uint64_t>(scenario.seed));
 }
 
 std::uint32_t Simulation::scans() const {
@@ -48,14 +50,26 @@ void Simulation::poseActors(double t0, double t1) {
   scene_->poseActors(t0, t1, drive_->pose((t0 + t1) / 2).translation());
 }
 
-std::optional<LidarScan> Simulation::sweep(std::uint32_t number, ThreadPool& threads) {
+std::vector<std::uint32_t> Simulation::recorded() const {
   const CounterRandom random(static_cast<std::uint64_t>(scenario_.seed), RandomStream::kFaults);
-  if (static_cast<double>(uniformOf(random.block(number)[0])) < scenario_.faults.lost_scans) return std::nullopt;
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t k = 0; k < scans() && scenario_.lidar.on; ++k)
+    if (static_cast<double>(uniformOf(random.block(k)[0])) >= scenario_.faults.lost_scans) numbers.push_back(k);
+  return numbers;
+}
+
+LidarScan Simulation::sweep(std::uint32_t number, ThreadPool& threads) {
   const double start = sweepStart(number);
   poseActors(start, start + lidar_->grid().sweep());
   LidarScan scan = lidar_->scan(*scene_, *drive_, start, number, threads);
   applyFaults(scan, number);
   return scan;
+}
+
+RadarScan Simulation::radarSweep(std::uint32_t number, ThreadPool& threads) {
+  const double start = number * radar_->model().sweep();
+  poseActors(start, start + radar_->model().sweep());
+  return radar_->scan(*scene_, *drive_, start, number, threads, world_.get());
 }
 
 void Simulation::applyFaults(LidarScan& scan, std::uint32_t number) const {

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "scslam/core/parallel.h"
 #include "sim/scenario.h"
@@ -26,8 +25,14 @@ class Simulation {
   std::uint32_t scans() const;  ///< sweeps that begin and end within the drive
   double sweepStart(std::uint32_t number) const { return number * lidar_->grid().sweep(); }  ///< [s]
 
-  /// Sweep `number`, faults of the scenario applied; nullopt: this one is lost.
-  std::optional<LidarScan> sweep(std::uint32_t number, ThreadPool& threads);
+  /// Sweeps that reach the rawlog, in order: all but those the scenario loses.
+  std::vector<std::uint32_t> recorded() const;
+  /// The radar's sweep `number`, from number / rate on; only when the scenario has a radar.
+  const Radar* radar() const { return radar_.get(); }
+  RadarScan radarSweep(std::uint32_t number, ThreadPool& threads);
+
+  /// Sweep `number`, faults of the scenario applied.
+  LidarScan sweep(std::uint32_t number, ThreadPool& threads);
   /// Where the robot touches something: "through brick at (x, y, z) after d m (t s)"; empty: nowhere.
   std::string collision() const;
 
@@ -39,6 +44,7 @@ class Simulation {
   std::unique_ptr<RayScene> scene_;
   std::unique_ptr<Trajectory> drive_;
   std::unique_ptr<Lidar> lidar_;
+  std::unique_ptr<Radar> radar_;
 };
 
 struct SimulateOptions {
@@ -49,7 +55,7 @@ struct SimulateOptions {
 };
 
 struct SimulationSummary {
-  std::uint32_t scans = 0;
+  std::uint32_t scans = 0, radar_scans = 0;
   std::uint64_t rays = 0, points = 0;
   double duration_s = 0, length_m = 0, wall_s = 0;
   std::size_t triangles = 0, revisits = 0, aliases = 0;

@@ -77,17 +77,18 @@ double distance(const Place& a, const Place& b) {
 
 }  // namespace
 
-std::vector<Place> placesOf(const Trajectory& drive, const Pose& T_base_sensor, double sweep_s, std::uint32_t scans,
-                            double every_m) {
+std::vector<Place> placesOf(const Trajectory& drive, const Pose& T_base_sensor, double sweep_s,
+                            const std::vector<std::uint32_t>& sweeps, double every_m) {
   std::vector<Place> places;
   double travel = 0;
   Vector3d last = drive.pose(0).translation();
-  for (std::uint32_t k = 0; k < scans; ++k) {
-    const Pose T = drive.pose(k * sweep_s);
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    const double t = sweeps[i] * sweep_s;
+    const Pose T = drive.pose(t);
     travel += (T.translation() - last).norm();
     last = T.translation();
     if (places.empty() || travel - places.back().travel_m >= every_m)
-      places.push_back({k, k * sweep_s, travel, T, T * T_base_sensor});
+      places.push_back({static_cast<std::uint32_t>(i), t, travel, T, T * T_base_sensor});
   }
   return places;
 }

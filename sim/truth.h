@@ -12,7 +12,7 @@
 namespace scslam::sim {
 
 struct Place {
-  std::uint32_t scan = 0;  ///< number of the scan taken there
+  std::uint32_t scan = 0;  ///< index in the rawlog of the scan taken there
   double t = 0;            ///< [s] into the drive
   double travel_m = 0;
   Pose T_world_base, T_world_sensor;
@@ -30,9 +30,10 @@ struct Alias {
   double difference = 0;  ///< mean |ln(range of a / range of b)| around both: 0 = the same
 };
 
-/// Scans at least `every_m` of way apart.
-std::vector<Place> placesOf(const Trajectory& drive, const Pose& T_base_sensor, double sweep_s, std::uint32_t scans,
-                            double every_m);
+/// Scans at least `every_m` of way apart. @param sweeps numbers of the sweeps in the rawlog; a place's scan is the
+/// index into them.
+std::vector<Place> placesOf(const Trajectory& drive, const Pose& T_base_sensor, double sweep_s,
+                            const std::vector<std::uint32_t>& sweeps, double every_m);
 /// Pairs within 10 m of each other with more than min_travel_m of way between them, sorted by (a, b).
 std::vector<Revisit> revisits(const std::vector<Place>& places, const RayScene& scene, double max_range_m,
                               double min_travel_m, ThreadPool& threads);

@@ -43,12 +43,14 @@ int listScenarios(bool json) {
 void print(const sim::SimulationSummary& s, const sim::Scenario& scenario, const Options& options) {
   const double mrays = s.wall_s > 0 ? static_cast<double>(s.rays) / s.wall_s / 1e6 : 0;
   if (options.json) {
-    const nlohmann::ordered_json json = {
-        {"scenario", scenario.name}, {"scans", s.scans},         {"rays", s.rays},
-        {"wall_s", s.wall_s},        {"mrays_per_s", mrays},     {"points", s.points},
-        {"seed", scenario.seed},     {"sha256", s.sha256},       {"duration_s", s.duration_s},
-        {"length_m", s.length_m},    {"triangles", s.triangles}, {"revisits", s.revisits},
-        {"aliases", s.aliases},      {"collision", s.collision}, {"output", options.job.output.string()}};
+    const nlohmann::ordered_json json = {{"scenario", scenario.name},    {"scans", s.scans},
+                                         {"radar_scans", s.radar_scans}, {"rays", s.rays},
+                                         {"wall_s", s.wall_s},           {"mrays_per_s", mrays},
+                                         {"points", s.points},           {"seed", scenario.seed},
+                                         {"sha256", s.sha256},           {"duration_s", s.duration_s},
+                                         {"length_m", s.length_m},       {"triangles", s.triangles},
+                                         {"revisits", s.revisits},       {"aliases", s.aliases},
+                                         {"collision", s.collision},     {"output", options.job.output.string()}};
     fmt::print("{}\n", json.dump());
     return;
   }
@@ -58,6 +60,7 @@ void print(const sim::SimulationSummary& s, const sim::Scenario& scenario, const
              s.length_m, s.revisits, s.aliases);
   fmt::print("{:<12} {} scans of {}, {:.1f} M points\n", "lidar", s.scans, scenario.lidar.sensor,
              static_cast<double>(s.points) / 1e6);
+  if (s.radar_scans != 0) fmt::print("{:<12} {} scans of {}\n", "radar", s.radar_scans, scenario.radar.sensor);
   fmt::print("{:<12} {:.1f} s, {:.1f} M rays\n", "took", s.wall_s, static_cast<double>(s.rays) / 1e6);
   fmt::print("{:<12} {}\n", "sha256", s.sha256);
   fmt::print("{:<12} {}\n", "rawlog", options.job.output.string());

@@ -23,7 +23,7 @@ constexpr std::uint64_t kDeflateRatio = 1032;  // deflate cannot expand more tha
 /// The telling line of MRPT's exception texts, which are call traces.
 std::string firstReason(const std::string& text) {
   constexpr const char* kMark = "Message:";
-  const std::size_t mark = text.find(kMark), begin = mark == std::string::npos ? 0 : mark + std::strlen(kMark);
+  const std::size_t mark = text.rfind(kMark), begin = mark == std::string::npos ? 0 : mark + std::strlen(kMark);
   std::string line = text.substr(begin, text.find('\n', begin) - begin);
   line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
   return line.empty() ? "unreadable object" : line;

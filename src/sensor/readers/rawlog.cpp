@@ -2,6 +2,7 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -86,6 +87,7 @@ class RawlogSource final : public ScanSource {
                              : !robot_poses_.empty()    ? "from CObservationRobotPose"
                              : !wheel_poses_.empty()    ? "from CObservationOdometry"
                                                         : "none");
+    if (!simulated_.empty()) text += ", " + simulated_;
     if (truth_) text += ", truth from " + truth_->filename().string();
     if (made_up_ != 0) text += ", scans without a time: 0.1 s after the one before made up";
     std::string others;
@@ -178,6 +180,8 @@ class RawlogSource final : public ScanSource {
     } else if (const auto* wheels = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation.get())) {
       if (wheels->timestamp != INVALID_TIMESTAMP)
         wheel_poses_.add(wheels->timestamp, fromMrpt(mrpt::poses::CPose3D(wheels->odometry)));
+    } else if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(observation.get())) {
+      if (comment->text.starts_with("simulated: ")) simulated_ = comment->text.substr(0, comment->text.find('\n'));
     } else {
       onSensor(observation, in_frame);
     }
@@ -234,6 +238,7 @@ class RawlogSource final : public ScanSource {
   bool has_actions_ = false, in_frames_ = false, planar_ = false, ended_ = false;
   std::optional<Error> failure_;
   std::optional<fs::path> truth_;
+  std::string simulated_;  ///< how a simulated log introduces itself
   std::size_t index_ = 0, made_up_ = 0;
   Stamp last_stamp_;
   std::map<std::string, std::size_t> other_labels_, seen_;
