@@ -14,6 +14,7 @@ void LoopGateParams::describe(ParamVisitor& v) {
   v.field("max_offset_m", max_offset_m, "a place recognised is at most this far away [m]", 0, 1000);
   v.field("odometry_sigma_per_m", odometry_sigma_per_m,
           "a loop may disagree with odometry by this per metre, one sigma [m/m]", 0, 10);
+  v.field("odometry_sigma_up_per_m", odometry_sigma_up_per_m, "and in height by this, one sigma [m/m]", 0, 10);
   v.field("odometry_sigma_deg_per_m", odometry_sigma_deg_per_m, "and by this angle per metre, one sigma [deg/m]", 0,
           90);
   v.field("max_odometry_mahalanobis2", max_odometry_mahalanobis2, "chi2 bound of that disagreement", 0, 1e9);
@@ -44,10 +45,12 @@ double odometryDisagreement(const Pose& T_match_query_measured, const Pose& T_ma
                             const Matrix6d& path_covariance, double travelled_m, bool planar,
                             const LoopGateParams& params) {
   const Vector6d error = local(T_match_query_predicted, T_match_query_measured);
-  const double sigma_t = params.odometry_sigma_per_m * travelled_m;
-  const double sigma_r = params.odometry_sigma_deg_per_m * M_PI / 180 * travelled_m;
+  const double level = params.odometry_sigma_per_m * travelled_m, up = params.odometry_sigma_up_per_m * travelled_m;
+  const double turn = params.odometry_sigma_deg_per_m * M_PI / 180 * travelled_m;
+  Vector6d variances;
+  variances << Eigen::Array3d(level, level, up).square() + 1e-6, Eigen::Array3d::Constant(turn * turn + 1e-8);
   Matrix6d covariance = path_covariance;
-  for (int i = 0; i < 6; ++i) covariance(i, i) += i < 3 ? sigma_t * sigma_t + 1e-6 : sigma_r * sigma_r + 1e-8;
+  covariance.diagonal() += variances;
   if (!planar) return error.dot(covariance.ldlt().solve(error));
   const int axes[3] = {0, 1, 5};
   Eigen::Matrix3d C;

@@ -13,7 +13,8 @@ struct LoopGateParams : ParamSetOf<LoopGateParams> {
   double max_rmse_m = 0.15;
   int max_degenerate_axes = 2;
   double max_offset_m = 10;
-  double odometry_sigma_per_m = 0.05;  ///< trust in odometry for the plausibility gate
+  double odometry_sigma_per_m = 0.01;      ///< trust in odometry for the plausibility gate
+  double odometry_sigma_up_per_m = 0.004;  ///< the same for heights: what tells the storeys of a garage apart
   double odometry_sigma_deg_per_m = 0.3;
   double max_odometry_mahalanobis2 = 16.8;  ///< chi2, 6 degrees of freedom, 99 %
   void describe(ParamVisitor& visitor) override;
