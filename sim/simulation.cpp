@@ -29,6 +29,17 @@ SensorModel mounted(const LidarParams& params) {
   return sensor;
 }
 
+/// `share` of the rings, drawn by lot.
+std::vector<bool> deadRings(int rings, double share, const CounterRandom& random) {
+  std::vector<std::pair<float, std::size_t>> lots;
+  for (int r = 0; r < rings; ++r)
+    lots.emplace_back(uniformOf(random.block(0, 0, static_cast<std::uint32_t>(r), 1)[0]), static_cast<std::size_t>(r));
+  std::sort(lots.begin(), lots.end());
+  std::vector<bool> dead(lots.size(), false);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(std::lround(share * rings)); ++k) dead[lots[k].second] = true;
+  return dead;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Scenario& scenario, const PluginContext& context) : scenario_(scenario) {
@@ -76,10 +87,11 @@ void Simulation::applyFaults(LidarScan& scan, std::uint32_t number) const {
   const FaultParams& faults = scenario_.faults;
   if (faults.lost_rings <= 0 && faults.dirty_deg.empty()) return;
   const CounterRandom random(static_cast<std::uint64_t>(scenario_.seed), RandomStream::kFaults, 1);
+  const std::vector<bool> dead = deadRings(lidar_->grid().rings(), faults.lost_rings, random);
   std::vector<std::uint8_t> keep(scan.cloud.size(), 1);
   for (std::size_t i = 0; i < keep.size(); ++i) {
     const std::uint32_t ring = scan.cloud.ring[i];
-    if (static_cast<double>(uniformOf(random.block(0, 0, ring, 1)[0])) < faults.lost_rings) keep[i] = 0;
+    if (dead[ring]) keep[i] = 0;
     const double azimuth = std::atan2(scan.cloud.y[i], scan.cloud.x[i]) * 180 / M_PI;
     for (std::size_t k = 0; k + 1 < faults.dirty_deg.size(); k += 2) {
       const double into = azimuth - faults.dirty_deg[k] - 360 * std::floor((azimuth - faults.dirty_deg[k]) / 360);

@@ -1,0 +1,127 @@
+// The safety net: each shipped scenario is simulated, mapped, and held against the bounds in its own file.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "scenario_run.h"
+#include "scslam/apps/run_job.h"
+#include "sim/simulation.h"
+#include "support/support.h"
+
+namespace scslam::test {
+
+namespace fs = std::filesystem;
+
+void simulateInto(const sim::Scenario& scenario, const fs::path& folder, ScenarioFigures& figures) {
+  sim::SimulateOptions options;
+  options.output = folder / "drive.rawlog";
+  options.compression = 0, options.overwrite = options.quiet = true;
+  const sim::SimulationSummary summary = sim::simulate(scenario, options, context());
+  figures.sim_wall_s = summary.wall_s, figures.collision = summary.collision;
+}
+
+void mapIn(const sim::Scenario& scenario, const fs::path& folder, const std::vector<std::string>& sets,
+           ScenarioFigures& figures) {
+  RunOptions options;
+  options.input = (folder / "drive.rawlog").string();
+  options.output = folder / "session";
+  options.overwrite = options.quiet = true;
+  if (!scenario.expect.config.empty()) options.configs = {scenario.expect.config};
+  if (!scenario.expect.odometry.empty()) options.sets = {"odometry.frontend=" + scenario.expect.odometry};
+  options.sets.insert(options.sets.end(), sets.begin(), sets.end());
+  const RunSummary summary = runJob(options, context());
+  figures.run_wall_s = summary.wall_s;
+  const Session session = Session::open(options.output);
+  figures.evaluation = evaluate(session, readTrajectory(folder / "drive.gt.tum"));
+  const auto trajectory = session.trajectory();
+  double sum = 0;
+  for (std::size_t i = 0; i < trajectory.size(); ++i)
+    if (const auto& truth = figures.evaluation.T_truth_base[i]) {
+      const Pose aligned = figures.evaluation.ate.T_truth_estimate * trajectory[i].T;
+      sum += std::pow(aligned.translation().z() - truth->translation().z(), 2);
+    }
+  figures.z_rmse_m = std::sqrt(sum / static_cast<double>(figures.evaluation.poses));
+}
+
+std::vector<std::string> violations(const sim::ExpectParams& expect, const ScenarioFigures& figures) {
+  std::vector<std::string> broken;
+  const Evaluation& e = figures.evaluation;
+  const auto atMost = [&broken](const char* what, double value, double bound) {
+    if (bound >= 0 && !(value <= bound)) broken.push_back(fmt::format("{} {:.3f} > {:.3f}", what, value, bound));
+  };
+  const auto atLeast = [&broken](const char* what, double value, double bound) {
+    if (bound >= 0 && !(value >= bound)) broken.push_back(fmt::format("{} {:.3f} < {:.3f}", what, value, bound));
+  };
+  atMost("ate_m", e.ate.rmse_m, expect.ate_max_m);
+  atMost("odometry_ate_m", e.odometry_ate.rmse_m, expect.odometry_ate_max_m);
+  atMost("z_rmse_m", figures.z_rmse_m, expect.z_rmse_max_m);
+  atMost("false_loops", static_cast<double>(e.loops.false_accepted), expect.false_loops_max);
+  atLeast("loops", static_cast<double>(e.loops.true_accepted), expect.loops_min);
+  atLeast("recall", e.loops.recall.value_or(0), expect.recall_min);
+  if (!figures.collision.empty()) broken.push_back(figures.collision);
+  return broken;
+}
+
+std::string row(const std::string& name, const sim::ExpectParams& expect, const ScenarioFigures& figures) {
+  const Evaluation& e = figures.evaluation;
+  std::string text = fmt::format(
+      "{:<22} ATE {:6.3f} m (odometry {:6.3f}), z {:.3f} m, loops {:3} true {} false of {:4}, recall {}, sim {:.0f} s, "
+      "run {:.0f} s",
+      name, e.ate.rmse_m, e.odometry_ate.rmse_m, figures.z_rmse_m, e.loops.true_accepted, e.loops.false_accepted,
+      e.loops.candidates, e.loops.recall ? fmt::format("{:.2f}", *e.loops.recall) : "   -", figures.sim_wall_s,
+      figures.run_wall_s);
+  if (expect.wished_ate_m >= 0) text += fmt::format("; wished: ATE {} m", expect.wished_ate_m);
+  if (expect.wished_recall >= 0) text += fmt::format("; wished: recall {}", expect.wished_recall);
+  return text;
+}
+
+namespace {
+
+class Scenarios : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Scenarios, MeetTheirBounds) {
+  const sim::Scenario scenario = sim::loadScenario(GetParam(), {"truth.pictures=false"});
+  const fs::path folder = freshFolder();
+  ScenarioFigures figures;
+  simulateInto(scenario, folder, figures);
+  if (!scenario.expect.slam) return;
+  mapIn(scenario, folder, {}, figures);
+  std::cout << row(GetParam(), scenario.expect, figures) << std::endl;
+  EXPECT_THAT(violations(scenario.expect, figures), ::testing::IsEmpty());
+  fs::remove_all(folder);
+}
+
+std::vector<std::string> shipped() {
+  std::vector<std::string> names;
+  for (const auto& [name, summary] : sim::scenarioNames()) names.push_back(name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, Scenarios, ::testing::ValuesIn(shipped()),
+                         [](const auto& scenario) { return scenario.param; });
+
+/// The net has no holes: with any one part broken, the bounds of the plainest scenario do not hold.
+TEST(Scenarios, NoticeABrokenPart) {
+  const sim::Scenario scenario = sim::loadScenario("s01_loop", {"truth.pictures=false"});
+  const fs::path folder = freshFolder();
+  ScenarioFigures figures;
+  simulateInto(scenario, folder, figures);
+  for (const std::string breakage :
+       {"place.scan_context.max_distance=0.001", "registration.gates.max_rmse_m=0.001", "odometry.voxel_icp.voxel_m=8",
+        "preprocess.max_range_m=6", "keyframe.distance_m=40"}) {
+    mapIn(scenario, folder, {breakage}, figures);
+    std::cout << row(breakage, {}, figures) << std::endl;
+    EXPECT_THAT(violations(scenario.expect, figures), ::testing::Not(::testing::IsEmpty())) << breakage;
+  }
+  fs::remove_all(folder);
+}
+
+TEST(Scenarios, AreAllThere) {
+  std::vector<std::string> numbers;
+  for (const std::string& name : shipped()) numbers.push_back(name.substr(0, 3));
+  for (int k = 1; k <= 19; ++k) EXPECT_THAT(numbers, ::testing::Contains(fmt::format("s{:02}", k)));
+}
+
+}  // namespace
+}  // namespace scslam::test

@@ -1,0 +1,154 @@
+// From a scenario to a rawlog with its truth, and back through the readers.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+#include "scslam/core/file.h"
+#include "scslam/core/trajectory.h"
+#include "scslam/sensor/scan_source.h"
+#include "sim/rawlog_writer.h"
+#include "sim/simulation.h"
+#include "support/support.h"
+
+namespace scslam::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+Scenario shortDrive(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> sets = {"drive.duration_s=2", "drive.start_pause_s=0", "lidar.sensor=vlp16",
+                                   "truth.pictures=false"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  return loadScenario("s01", sets);
+}
+
+SimulationSummary simulated(const Scenario& scenario, const fs::path& file, int threads = 1) {
+  SimulateOptions options;
+  options.output = file, options.quiet = true;
+  return simulate(scenario, options, test::context(threads));
+}
+
+TEST(Simulate, WritesALogThatTheReadersUnderstand) {
+  const fs::path folder = test::freshFolder();
+  const Scenario scenario = shortDrive({"truth.labels=true", "truth.firings=true", "imu.enabled=true",
+                                        "gnss.enabled=true", "radar.on=true", "radar.png=true"});
+  const SimulationSummary summary = simulated(scenario, folder / "drive.rawlog");
+  auto opened = openSource(folder / "drive.rawlog", test::context());
+  EXPECT_EQ(opened.format, "rawlog");
+  const auto truth = opened.source->groundTruth();
+  ASSERT_TRUE(truth);
+  std::size_t scans = 0, points = 0;
+  while (const auto scan = opened.source->next()) {
+    EXPECT_TRUE(scan->cloud.hasRing() && scan->cloud.hasTime() && scan->cloud.hasIntensity());
+    EXPECT_TRUE(truth->at(scan->stamp)) << "no truth at the stamp of scan " << scans;
+    EXPECT_TRUE(scan->T_odom_base) << "the wheels are in the log";
+    const auto labels = fs::file_size(folder / "drive.labels" / fmt::format("{:06}.label", scans));
+    EXPECT_EQ(labels, 4 * scan->cloud.size());
+    ++scans, points += scan->cloud.size();
+  }
+  EXPECT_EQ(scans, summary.scans);
+  EXPECT_EQ(points, summary.points);
+  EXPECT_EQ(summary.radar_scans, 8u);
+  EXPECT_THAT(opened.source->description(),
+              ::testing::HasSubstr("scenario s01_loop, world town, seed 1, sensors vlp16, "
+                                   "cts350-x, imu, wheels, gnss"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "drive.radar"), {}), 8);
+  EXPECT_EQ(readTrajectory(folder / "drive.firings.tum").poses.size(), scans * 1808);
+}
+
+TEST(Simulate, GivesTheSameFileForAnyNumberOfThreads) {
+  const fs::path folder = test::freshFolder();
+  const Scenario scenario = shortDrive({"radar.on=true", "imu.enabled=true", "drive.duration_s=0.6"});
+  Scenario other = scenario;
+  other.seed = 2;
+  const std::string one = simulated(scenario, folder / "1.rawlog", 1).sha256;
+  EXPECT_EQ(one, simulated(scenario, folder / "2.rawlog", 2).sha256);
+  EXPECT_NE(one, simulated(other, folder / "3.rawlog", 1).sha256);
+  for (const char* suffix : {".gt.tum", ".loops.csv"})
+    EXPECT_EQ(readFile(folder / ("1" + std::string(suffix))), readFile(folder / ("2" + std::string(suffix))));
+}
+
+TEST(Simulate, TellsRevisitsAndTheirOverlap) {
+  const fs::path folder = test::freshFolder();
+  const Scenario scenario = loadScenario(
+      "s04", {"truth.pictures=false", "lidar.sensor=vlp16", "drive.duration_s=60", "lidar.effects.beam_width=false"});
+  Simulation simulation(scenario, test::context());
+  const auto places = placesOf(simulation.drive(), poseFromYaw(0, {0, 0, 1.8}), 0.1, simulation.recorded(), 2);
+  ThreadPool threads(2);
+  const auto found = revisits(places, simulation.scene(), 100, 20, threads);
+  ASSERT_FALSE(found.empty());
+  std::vector<double> lateral, overlap;
+  for (const Revisit& r : found) {
+    EXPECT_LE(r.distance_m, 10);
+    EXPECT_GE(r.overlap_a, 0);
+    EXPECT_LE(r.overlap_b, 1);
+    if (std::abs(r.heading_deg) > 5 || r.distance_m > 4.2) continue;
+    lateral.push_back(std::abs(r.lateral_m)), overlap.push_back(std::min(r.overlap_a, r.overlap_b));
+  }
+  ASSERT_GT(lateral.size(), 20u);
+  const auto median = [](std::vector<double>& values) {
+    std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
+    return values[values.size() / 2];
+  };
+  EXPECT_NEAR(median(lateral), 3.5, 0.2) << "the second lap is 3.5 m to the left";
+  EXPECT_GT(median(overlap), 0.6);
+}
+
+TEST(Simulate, FindsPlacesThatOnlyLookAlike) {
+  const Scenario scenario = loadScenario("s06", {"drive.duration_s=30"});
+  Simulation simulation(scenario, test::context());
+  ThreadPool threads(2);
+  const auto places = placesOf(simulation.drive(), poseFromYaw(0, {0, 0, 1.8}), 0.1, simulation.recorded(), 2);
+  const auto found = aliases(places, simulation.scene(), 100, threads);
+  EXPECT_GT(found.size(), places.size() / 4) << "the blocks repeat every 40 m";
+}
+
+TEST(Simulate, ReportsADriveThroughAWall) {
+  const Scenario scenario =
+      shortDrive({"drive.points=[0, 0, 40, 25]", "drive.duration_s=10", "drive.turn_radius_m=1", "world.town.cars=0"});
+  Simulation simulation(scenario, test::context());
+  EXPECT_THAT(simulation.collision(), ::testing::HasSubstr("drives through"));
+}
+
+TEST(Simulate, LosesWhatTheFaultsSay) {
+  Simulation whole(shortDrive({"drive.duration_s=30"}), test::context());
+  Simulation faulty(shortDrive({"drive.duration_s=30", "faults.lost_scans=0.2", "faults.lost_rings=0.5"}),
+                    test::context());
+  EXPECT_NEAR(static_cast<double>(faulty.recorded().size()) / static_cast<double>(whole.recorded().size()), 0.8, 0.1);
+  ThreadPool threads(1);
+  const LidarScan scan = faulty.sweep(faulty.recorded()[0], threads);
+  std::set<int> rings(scan.cloud.ring.begin(), scan.cloud.ring.end());
+  EXPECT_EQ(rings.size(), 8u);
+  EXPECT_EQ(scan.labels.size(), scan.cloud.size());
+}
+
+TEST(Simulate, RefusesWhatMakesNoDrive) {
+  EXPECT_THROW(Simulation(shortDrive({"drive.duration_s=0"}), test::context()), Error);
+  EXPECT_THROW(Simulation(shortDrive({"drive.route=nowhere"}), test::context()), Error);
+  EXPECT_THROW(Simulation(shortDrive({"drive.points=[1, 2, 3]"}), test::context()), Error);
+  EXPECT_THROW(Simulation(shortDrive({"lidar.sensor=vpl16"}), test::context()), Error);
+  EXPECT_THROW(Simulation(shortDrive({"lidar.translation_m=[1]"}), test::context()), Error);
+  EXPECT_THROW(loadScenario("s99"), Error);
+  EXPECT_THROW(loadScenario("s01", {"drive.sped_mps=3"}), Error);
+}
+
+TEST(Simulate, KeepsWhatIsThereUnlessTold) {
+  const fs::path folder = test::freshFolder();
+  std::ofstream(folder / "drive.rawlog") << "mine";
+  EXPECT_THROW(simulated(shortDrive(), folder / "drive.rawlog"), Error);
+  EXPECT_EQ(readFile(folder / "drive.rawlog"), "mine");
+}
+
+TEST(Simulate, CommandLineSaysWhatIsWrong) {
+  const auto bad = test::runScslam("sim s01 --set drive.sped_mps=3");
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_THAT(bad.err, ::testing::HasSubstr("speed_mps"));
+  const auto list = test::runScslam("sim --list");
+  EXPECT_EQ(list.exit_code, 0);
+  EXPECT_THAT(list.out, ::testing::HasSubstr("s19_unit"));
+}
+
+}  // namespace
+}  // namespace scslam::sim
