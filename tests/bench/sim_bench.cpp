@@ -69,7 +69,8 @@ Total rawLoop(const RayScene& scene, const BeamGrid& grid, const Pose& T) {
     }
     scene.trace(rays);
     for (int i = 0; i < 16; ++i)
-      if (rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID) ++total.hits, total.range += static_cast<double>(rays.ray.tfar[i]);
+      if (rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
+        ++total.hits, total.range += static_cast<double>(rays.ray.tfar[i]);
   }
   return total;
 }
@@ -102,8 +103,7 @@ void benchMesh(const std::string& mesh_file, const std::string& poses_file, cons
     for (std::size_t k = 0; k < poses.size(); ++k) {
       // The full model rolls: each sweep from its own short drive through the pose, 20 m/s and 30 deg/s.
       std::vector<Pose> near;
-      for (int n = -1; n < 4; ++n)
-        near.push_back(poses[k] * poseFromYaw(0.0524 * n, {2.0 * n, 0, 0}));
+      for (int n = -1; n < 4; ++n) near.push_back(poses[k] * poseFromYaw(0.0524 * n, {2.0 * n, 0, 0}));
       lidar.scan(scene, Trajectory(near, 0.1), 0, static_cast<std::uint32_t>(k), context.threads);
     }
     full.push_back(cpuSeconds() - begin);
@@ -112,7 +112,8 @@ void benchMesh(const std::string& mesh_file, const std::string& poses_file, cons
   fmt::print("{}: {} triangles, {} poses, {} hits, mean range {:.6f} m\n", mesh_file, world.mesh.size(), poses.size(),
              total.hits, total.range / static_cast<double>(total.hits));
   fmt::print("{:<34}{:8.2f} Mrays/CPU-s\n", "raw rtcIntersect16", rate(raw));
-  fmt::print("{:<34}{:8.2f} Mrays/CPU-s  {:4.0f} % of raw\n", "ranges", rate(ranges), 100 * median(raw) / median(ranges));
+  fmt::print("{:<34}{:8.2f} Mrays/CPU-s  {:4.0f} % of raw\n", "ranges", rate(ranges),
+             100 * median(raw) / median(ranges));
   fmt::print("{:<34}{:8.2f} Mrays/CPU-s  {:4.0f} % of raw\n", "full model (rolling, noise, echo)", rate(full),
              100 * median(raw) / median(full));
 }

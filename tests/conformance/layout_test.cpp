@@ -10,6 +10,7 @@
 #include "scslam/place/place_recogniser.h"
 #include "scslam/registration/registration.h"
 #include "scslam/sensor/scan_source.h"
+#include "sim/scenario.h"
 #include "support/support.h"
 
 namespace scslam {
@@ -99,8 +100,27 @@ TEST(Layout, OnlyTheGraphFolderIncludesCeres) {
   }
 }
 
+TEST(Layout, TheSimulatorIncludesCoreAndSensorAloneAndOnlyItKnowsEmbree) {
+  static const std::regex ours(R"(^\s*#\s*include\s*"scslam/([^/]+)/)"),
+      embree(R"(^\s*#\s*include\s*<(embree|assimp))");
+  for (const char* top : {"src", "sim"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(SCSLAM_SOURCE_DIR) / top)) {
+      if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
+      std::ifstream file(entry.path());
+      std::smatch match;
+      for (std::string line; std::getline(file, line);) {
+        if (std::regex_search(line, match, embree)) {
+          EXPECT_STREQ(top, "sim") << entry.path();
+        }
+        if (std::string_view(top) == "sim" && std::regex_search(line, match, ours)) {
+          EXPECT_TRUE(match[1] == "core" || match[1] == "sensor") << entry.path() << ": " << line;
+        }
+      }
+    }
+}
+
 TEST(Layout, NoFileIsLongerThan400Lines) {
-  for (const char* top : {"src", "tests"})
+  for (const char* top : {"src", "sim", "tests"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SCSLAM_SOURCE_DIR) / top)) {
       const auto extension = entry.path().extension();
       if (extension != ".h" && extension != ".cpp") continue;
@@ -118,6 +138,27 @@ TEST(Plugins, NothingVanishedSilently) {
   EXPECT_EQ(Registry<Registration>::instance().names(), (std::vector<std::string>{"voxel_planes"}));
   EXPECT_EQ(Registry<MapExporter>::instance().names(),
             (std::vector<std::string>{"g2o", "kitti", "octomap", "pcd", "ply", "tum"}));
+  EXPECT_EQ(Registry<sim::WorldGenerator>::instance().names(),
+            (std::vector<std::string>{"blocks", "bridge", "corridor", "field", "garage", "hills", "mesh", "roundabout",
+                                      "town", "tunnel", "unit"}));
+}
+
+TEST(Scenarios, EveryShippedOneLoadsAndSaysWhatItIsAbout) {
+  const auto scenarios = sim::scenarioNames();
+  EXPECT_GE(scenarios.size(), 19u);
+  for (const auto& [name, summary] : scenarios) {
+    EXPECT_FALSE(summary.empty()) << name;
+    const sim::Scenario scenario = sim::loadScenario(name);
+    EXPECT_LE(scenario.drive.duration_s, 60) << name << ": the shipped variant is the short one";
+  }
+}
+
+TEST(Scenarios, EveryRadarTableLoads) {
+  for (const std::string name : {"cts350-x", "cir204-h"}) {
+    sim::RadarParams params;
+    params.sensor = name;
+    EXPECT_EQ(params.model().azimuths, 400) << name;
+  }
 }
 
 TEST(Configs, EveryShippedOneLoadsAndStatesWhatItIsForInItsFirstLine) {
