@@ -5,7 +5,8 @@ function(scslam_add_folder name)
   cmake_parse_arguments(ARG "" "" "PLUGINS;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
   foreach(sub IN LISTS ARG_PLUGINS)
-    file(GLOB plugins CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/${sub}/*.cpp)
+    file(GLOB plugins CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/${sub}/*.cpp
+         ${PROJECT_SOURCE_DIR}/src/${name}/${sub}/*/*.cpp)  # a plug-in may be a small folder of its own
     list(APPEND sources ${plugins})
   endforeach()
   if(NOT sources)

@@ -4,6 +4,7 @@
 #include "scslam/odometry/odometry.h"
 #include "scslam/place/place_recogniser.h"
 #include "scslam/registration/registration.h"
+#include "scslam/sensor/radar_extractor.h"
 #include "scslam/sensor/scan_source.h"
 #include "verb.h"
 
@@ -30,6 +31,7 @@ void printConfigs(const char* title, bool sensors) {
 const std::vector<std::pair<std::string, std::function<void()>>>& kinds() {
   static const std::vector<std::pair<std::string, std::function<void()>>> all = {
       {"formats", [] { printPlugins<ScanFormat>("input formats"); }},
+      {"extractors", [] { printPlugins<RadarExtractor>("radar point extractors"); }},
       {"odometry", [] { printPlugins<Odometry>("odometry front-ends"); }},
       {"recognisers", [] { printPlugins<PlaceRecogniser>("place recognisers"); }},
       {"registration", [] { printPlugins<Registration>("registration methods"); }},

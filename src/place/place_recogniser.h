@@ -13,9 +13,10 @@ using Descriptor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 struct PlaceCandidate {
   KeyframeId match = 0;
-  double distance = 0;  ///< descriptor distance, smaller = more alike
-  Pose T_match_query =
-      Pose::Identity();  ///< first guess of the query's base in the match's base (yaw, later also shift)
+  double distance = 0;   ///< descriptor distance, smaller = more alike
+  /// First guess of the query's base in the match's base: heading, and where the method finds it the shift.
+  Pose T_match_query = Pose::Identity();
+  double runner_up = 0;  ///< distance of the best candidate at a different place; 0: there was none
 };
 
 /// Plug-in interface of place/recognisers.
@@ -25,10 +26,14 @@ class PlaceRecogniser {
   virtual ~PlaceRecogniser() = default;
   /// @param cloud_base of the keyframe; gravity-levelled inside with the roll and pitch of keyframe.T_odom_base.
   virtual Descriptor describe(const Keyframe& keyframe, const Cloud& cloud_base) const = 0;
-  /// Stores the keyframe (ids in order, from 0) with its descriptor. Poses are read only by pose-based recognisers.
+  /// Stores the keyframe (ids in order, from 0) with its descriptor. Poses are read only by pose-based recognisers,
+  /// which return an empty descriptor and ignore the one they are given.
   virtual void add(const Keyframe& keyframe, const Descriptor& descriptor) = 0;
   /// Candidates for keyframe k among the earlier ones that are at least min_travel away along the path, best first.
   virtual std::vector<PlaceCandidate> query(KeyframeId k) const = 0;
+  /// The present estimate of all keyframes, before a query: for recognisers that look where the robot is believed to
+  /// be.
+  virtual void setPoses(const std::vector<Pose>& /*T_map_base*/) {}
 };
 SCSLAM_DECLARE_REGISTRY(PlaceRecogniser);
 

@@ -1,10 +1,14 @@
 // One sweep of a range sensor, as a reader hands it over.
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scslam/core/cloud.h"
 #include "scslam/core/stamp.h"
+#include "scslam/sensor/navigation.h"
+#include "scslam/sensor/radar_scan.h"
 
 namespace scslam {
 
@@ -18,6 +22,13 @@ struct Scan {
   std::string label;      ///< sensor label, for messages
   /// Where the recording itself says the robot was at `stamp` (wheel odometry, poses beside the scans); drifting.
   std::optional<Pose> T_odom_base;
+  /// Inertial readings, in time order: those after the ones of the scan before, up to the end of this sweep or later
+  /// (as far as the recording has them before the next scan). Each is handed over once.
+  std::vector<ImuSample> imu;
+  Pose T_base_imu = Pose::Identity();
+  std::vector<GnssFix> gnss;  ///< likewise
+  /// The image of a spinning radar. `cloud` is then empty until preprocess() has extracted points from it.
+  std::shared_ptr<const RadarScan> radar;
 };
 
 }  // namespace scslam

@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kFolders = {"core",         "sensor", "odometry", "keyframe", "place",
                                            "registration", "graph",  "session",  "mapping",  "pipeline",
                                            "apps",         "view",   "cli"};
-const std::vector<std::string> kPluginFolders = {"readers", "frontends", "recognisers", "methods", "exporters"};
+const std::vector<std::string> kPluginFolders = {"readers",     "extractors", "frontends",
+                                                 "recognisers", "methods",    "exporters"};
 
 struct Include {
   fs::path file;
