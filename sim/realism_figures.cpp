@@ -63,6 +63,7 @@ class FigureVisitor : public ParamVisitor {
   void field(const char*, int&, const char*, int, int) override {}
   void field(const char*, bool&, const char*) override {}
   void field(const char*, std::string&, const char*, const std::vector<std::string>&) override {}
+  void field(const char*, std::vector<std::string>&, const char*, const std::vector<std::string>&) override {}
   void group(const char*, ParamSet&, const char*) override {}
 
  private:

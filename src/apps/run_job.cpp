@@ -36,7 +36,7 @@ SessionInfo describeSession(const RunOptions& options, const std::string& format
   info.input_digest = inputDigest(options.input, options.skip);
   info.config_yaml = dumpYaml(params);
   info.odometry = params.odometry.frontend.name;
-  info.recogniser = params.place.recogniser.name;
+  info.recogniser = fmt::format("{}", fmt::join(params.place.recognisers.names, ", "));
   info.registration = params.registration.method.name;
   info.sensor_label = first.label;
   info.T_base_sensor = first.T_base_sensor;

@@ -24,6 +24,10 @@ class ByteWriter {
   void put(const std::string& text);
   void put(const Pose& T);           ///< 12 doubles, row-major 3x4
   void put(const Matrix6d& matrix);  ///< 36 doubles
+  template <int kRows, int kCols>
+  void put(const Eigen::Matrix<double, kRows, kCols>& matrix) {
+    for (const double value : matrix.reshaped()) put(value);
+  }
   template <class T>
   void put(const std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -54,6 +58,10 @@ class ByteReader {
   void get(std::string& text);
   void get(Pose& T);
   void get(Matrix6d& matrix);
+  template <int kRows, int kCols>
+  void get(Eigen::Matrix<double, kRows, kCols>& matrix) {
+    for (double& value : matrix.reshaped()) get(value);
+  }
   template <class T>
   void get(std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scslam/core/error.h"
@@ -39,10 +40,7 @@ class Loader : public ParamVisitor {
   void field(const char* key, bool& value, const char*) override { read(key, value); }
   void field(const char* key, std::string& value, const char*, const std::vector<std::string>& choices) override {
     const YAML::Node node = read(key, value);
-    if (!node || choices.empty()) return;
-    for (const auto& choice : choices)
-      if (value == choice) return;
-    throw usageError("{}: {} cannot be '{}'{}", where(node), full(key), value, didYouMean(value, choices));
+    if (node && !choices.empty()) checkChoice(node, key, value, choices);
   }
   void field(const char* key, std::vector<double>& value, const char*) override {
     const YAML::Node node = find(key);
@@ -51,6 +49,23 @@ class Loader : public ParamVisitor {
     std::vector<double> numbers;
     for (const auto& item : node) numbers.push_back(parse<double>(item, key));
     value = std::move(numbers);
+  }
+  void field(const char* key, std::vector<std::string>& value, const char*,
+             const std::vector<std::string>& choices) override {
+    const YAML::Node node = find(key);
+    if (!node) return;
+    if (!node.IsSequence() && !node.IsScalar())
+      throw usageError("{}: {} must be a list of names: [one, two]", where(node), full(key));
+    std::vector<std::string> names;
+    const auto take = [&](const YAML::Node& item) {
+      names.push_back(parse<std::string>(item, key));
+      checkChoice(item, key, names.back(), choices);
+      if (std::count(names.begin(), names.end(), names.back()) > 1)
+        throw usageError("{}: {} names '{}' twice", where(item), full(key), names.back());
+    };
+    if (node.IsScalar()) take(node);
+    for (const auto& item : node) take(item);
+    value = std::move(names);
   }
   void group(const char* key, ParamSet& params, const char*) override {
     const YAML::Node node = find(key);
@@ -77,6 +92,12 @@ class Loader : public ParamVisitor {
     return fmt::format("{}:{}:{}", source_, mark.line + 1, mark.column + 1);
   }
   std::string full(const char* key) const { return path_.empty() ? key : path_ + "." + key; }
+
+  void checkChoice(const YAML::Node& node, const char* key, const std::string& value,
+                   const std::vector<std::string>& choices) const {
+    if (std::find(choices.begin(), choices.end(), value) == choices.end())
+      throw usageError("{}: {} cannot be '{}'{}", where(node), full(key), value, didYouMean(value, choices));
+  }
 
   YAML::Node find(const char* key) {
     known_.emplace_back(key);
@@ -142,6 +163,12 @@ class Dumper : public ParamVisitor {
     for (const double v : value) list += (list.empty() ? "" : ", ") + number(v);
     line(key, "[" + list + "]", doc, "");
   }
+  void field(const char* key, std::vector<std::string>& value, const char* doc,
+             const std::vector<std::string>& choices) override {
+    std::string list;
+    for (const std::string& v : value) list += (list.empty() ? "" : ", ") + quoted(v);
+    line(key, "[" + list + "]", doc, fmt::format(" ({})", fmt::join(choices, ", ")));
+  }
   void group(const char* key, ParamSet& params, const char* doc) override {
     const std::size_t before = text.size();
     text += indent() + key + ":" + (documented_ ? fmt::format("  # {}", doc) : "") + "\n";
@@ -188,15 +215,15 @@ class SchemaWriter : public ParamVisitor {
   }
   void field(const char* key, std::string& value, const char* doc, const std::vector<std::string>& choices) override {
     std::string type = R"("type": "string", "default": )" + quoted(value);
-    if (!choices.empty()) {
-      std::string list;
-      for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + quoted(choice);
-      type += R"(, "enum": [)" + list + "]";
-    }
+    if (!choices.empty()) type += ", " + oneOf(choices);
     entry(key, type, doc);
   }
   void field(const char* key, std::vector<double>&, const char* doc) override {
     entry(key, R"("type": "array", "items": {"type": "number"})", doc);
+  }
+  void field(const char* key, std::vector<std::string>&, const char* doc,
+             const std::vector<std::string>& choices) override {
+    entry(key, R"("type": "array", "uniqueItems": true, "items": {"type": "string", )" + oneOf(choices) + "}", doc);
   }
   void group(const char* key, ParamSet& params, const char* doc) override {
     SchemaWriter inner;
@@ -208,6 +235,11 @@ class SchemaWriter : public ParamVisitor {
   }
 
  private:
+  static std::string oneOf(const std::vector<std::string>& choices) {
+    std::string list;
+    for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + quoted(choice);
+    return R"("enum": [)" + list + "]";
+  }
   void entry(const char* key, const std::string& type, const char* doc) {
     properties_ +=
         fmt::format("{}\"{}\": {{{}, \"description\": {}}}", properties_.empty() ? "" : ", ", key, type, quoted(doc));

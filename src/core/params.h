@@ -22,6 +22,9 @@ class ParamVisitor {
   virtual void field(const char* key, std::string& value, const char* doc,
                      const std::vector<std::string>& choices = {}) = 0;
   virtual void field(const char* key, std::vector<double>& value, const char* doc) = 0;
+  /// A list without repetitions. @param choices the only values allowed.
+  virtual void field(const char* key, std::vector<std::string>& value, const char* doc,
+                     const std::vector<std::string>& choices) = 0;
   virtual void group(const char* key, class ParamSet& params, const char* doc) = 0;
 };
 

@@ -29,11 +29,33 @@ struct PluginChoice {
   }
   void describe(ParamVisitor& v, const char* key, const char* doc) {
     v.field(key, name, doc, Registry<Interface>::instance().names());
+    describeGroups(v);
+  }
+  void describeGroups(ParamVisitor& v) {
     for (auto& [plugin, values] : params)
       v.group(plugin.c_str(), *values, Registry<Interface>::instance().find(plugin).summary.c_str());
   }
   std::unique_ptr<Interface> create(const PluginContext& context) const {
     return Registry<Interface>::instance().create(name, *params.at(name), context);
+  }
+};
+
+/// Several plug-ins of one interface side by side.
+template <class Interface>
+struct PluginList {
+  std::vector<std::string> names;
+  PluginChoice<Interface> parameters{""};
+
+  explicit PluginList(std::vector<std::string> chosen) : names(std::move(chosen)) {}
+  void describe(ParamVisitor& v, const char* key, const char* doc) {
+    v.field(key, names, doc, Registry<Interface>::instance().names());
+    parameters.describeGroups(v);
+  }
+  std::vector<std::unique_ptr<Interface>> create(const PluginContext& context) const {
+    std::vector<std::unique_ptr<Interface>> result;
+    for (const auto& name : names)
+      result.push_back(Registry<Interface>::instance().create(name, *parameters.params.at(name), context));
+    return result;
   }
 };
 

@@ -1,5 +1,7 @@
 #include "scslam/pipeline/loop_closer.h"
 
+#include <algorithm>
+
 #include "scslam/keyframe/submap.h"
 
 namespace scslam {
@@ -18,25 +20,48 @@ Matrix6d pathCovariance(const std::vector<Keyframe>& keyframes, KeyframeId match
 
 LoopCloser::LoopCloser(const SlamParams& params, const PluginContext& context)
     : params_(params.registration),
-      recogniser_name_(params.place.recogniser.name),
-      recogniser_(params.place.recogniser.create(context)),
+      names_(params.place.recognisers.names),
+      recognisers_(params.place.recognisers.create(context)),
       registration_(params.registration.method.create(context)) {}
+
+Descriptor LoopCloser::describe(const Keyframe& keyframe, const Cloud& cloud_base) const {
+  const bool described = !recognisers_.empty() && recognisers_.front()->usesScans();
+  return described ? recognisers_.front()->describe(keyframe, cloud_base) : Descriptor();
+}
+
+void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, CloudStore& clouds) {
+  for (const auto& recogniser : recognisers_) {
+    const bool first = recogniser == recognisers_.front();
+    if (first || !recogniser->usesScans())
+      recogniser->add(keyframe, first ? descriptor : Descriptor());
+    else
+      recogniser->add(keyframe, recogniser->describe(keyframe, *clouds.get(keyframe.id)));
+  }
+}
 
 std::vector<LoopRecord> LoopCloser::close(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                                           CloudStore& clouds) {
   std::vector<LoopRecord> records;
-  for (const PlaceCandidate& candidate : recogniser_->query(keyframes.back().id))
-    records.push_back(verify(candidate, keyframes, T_map_base, clouds));
+  for (std::size_t r = 0; r < recognisers_.size(); ++r) {
+    recognisers_[r]->setPoses(T_map_base);
+    for (const PlaceCandidate& candidate : recognisers_[r]->query(keyframes.back().id)) {
+      const bool closed = std::any_of(records.begin(), records.end(), [&](const LoopRecord& record) {
+        return record.match == candidate.match && record.accepted;
+      });
+      if (!closed) records.push_back(verify(names_[r], candidate, keyframes, T_map_base, clouds));
+    }
+  }
   return records;
 }
 
-LoopRecord LoopCloser::verify(const PlaceCandidate& candidate, const std::vector<Keyframe>& keyframes,
-                              const std::vector<Pose>& T_map_base, CloudStore& clouds) {
+LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidate& candidate,
+                              const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
+                              CloudStore& clouds) {
   const Keyframe& query = keyframes.back();
   const Keyframe& match = keyframes[candidate.match];
   LoopRecord record;
   record.query = query.id, record.match = match.id;
-  record.recogniser = recogniser_name_;
+  record.recogniser = recogniser;
   record.distance = candidate.distance;
   record.yaw_guess_rad = yawOf(candidate.T_match_query);
 

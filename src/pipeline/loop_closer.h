@@ -13,22 +13,23 @@ class LoopCloser {
  public:
   LoopCloser(const SlamParams& params, const PluginContext& context);
 
-  Descriptor describe(const Keyframe& keyframe, const Cloud& cloud_base) const {
-    return recogniser_->describe(keyframe, cloud_base);
-  }
-  void add(const Keyframe& keyframe, const Descriptor& descriptor) { recogniser_->add(keyframe, descriptor); }
+  /// By the first recogniser: what the session keeps.
+  Descriptor describe(const Keyframe& keyframe, const Cloud& cloud_base) const;
+  /// @param descriptor the first recogniser's; others describe the scan as `clouds` has it, so that a resumed run gets
+  /// the same.
+  void add(const Keyframe& keyframe, const Descriptor& descriptor, CloudStore& clouds);
 
   /// Every candidate for the newest keyframe with its figures and verdict.
   std::vector<LoopRecord> close(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                                 CloudStore& clouds);
 
  private:
-  LoopRecord verify(const PlaceCandidate& candidate, const std::vector<Keyframe>& keyframes,
-                    const std::vector<Pose>& T_map_base, CloudStore& clouds);
+  LoopRecord verify(const std::string& recogniser, const PlaceCandidate& candidate,
+                    const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base, CloudStore& clouds);
 
   RegistrationParams params_;
-  std::string recogniser_name_;
-  std::unique_ptr<PlaceRecogniser> recogniser_;
+  std::vector<std::string> names_;  ///< of the recognisers
+  std::vector<std::unique_ptr<PlaceRecogniser>> recognisers_;
   std::unique_ptr<Registration> registration_;
 };
 

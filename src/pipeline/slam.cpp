@@ -76,10 +76,13 @@ void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
   {
     const StageTimer timer(times_, Stage::kPlace);
     descriptor = loops_.describe(keyframe, step.cloud);
-    loops_.add(keyframe, descriptor);
   }
-  const StageTimer timer(times_, Stage::kSession);
-  session_.addKeyframe(keyframe, T_map_base, transformed(step.cloud, T_base_sensor_.inverse()), descriptor);
+  {
+    const StageTimer timer(times_, Stage::kSession);
+    session_.addKeyframe(keyframe, T_map_base, transformed(step.cloud, T_base_sensor_.inverse()), descriptor);
+  }
+  const StageTimer timer(times_, Stage::kPlace);
+  loops_.add(keyframe, descriptor, clouds_);
 }
 
 void Slam::closeLoops() {
@@ -133,7 +136,7 @@ std::size_t Slam::resume(RecoveredSession recovered) {
   for (std::size_t k = 0; k < recovered.keyframes.size(); ++k) {
     appendNode(graph_, keyframes_, recovered.keyframes[k], params_.graph);
     keyframes_.push_back(recovered.keyframes[k]);
-    loops_.add(recovered.keyframes[k], recovered.descriptors[k]);
+    loops_.add(recovered.keyframes[k], recovered.descriptors[k], clouds_);
     for (const LoopRecord& record : recovered.loops)
       if (record.accepted && record.query == k) graph_.factors.push_back(loopFactor(record, params_.graph));
   }

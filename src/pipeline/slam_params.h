@@ -19,8 +19,11 @@ struct OdometryParams : ParamSetOf<OdometryParams> {
 };
 
 struct PlaceParams : ParamSetOf<PlaceParams> {
-  PluginChoice<PlaceRecogniser> recogniser{"scan_context"};
-  void describe(ParamVisitor& v) override { recogniser.describe(v, "recogniser", "which place recogniser"); }
+  /// Side by side: each one's candidates are verified. The first one's descriptors are what the session keeps.
+  PluginList<PlaceRecogniser> recognisers{{"scan_context"}};
+  void describe(ParamVisitor& v) override {
+    recognisers.describe(v, "recognisers", "which place recognisers, side by side");
+  }
 };
 
 struct RegistrationParams : ParamSetOf<RegistrationParams> {

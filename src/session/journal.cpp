@@ -13,7 +13,15 @@ constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kFrameBytes = 8;  // length and CRC of a record
 
-enum class RecordType : std::uint8_t { kScan = 1, kKeyframe = 2, kLoop = 3, kPoses = 4, kPosesDeferred = 5 };
+enum class RecordType : std::uint8_t {
+  kScan = 1,
+  kKeyframe = 2,
+  kLoop = 3,
+  kPoses = 4,
+  kPosesDeferred = 5,
+  kVerdict = 6,
+  kGnss = 7
+};
 
 void putStamp(ByteWriter& out, Stamp stamp) { out.put(std::int64_t{stamp.time_since_epoch().count()}); }
 Stamp getStamp(ByteReader& in) { return Stamp(Stamp::duration(in.get<std::int64_t>())); }
@@ -81,6 +89,30 @@ LoopRecord getLoop(ByteReader& in, std::size_t keyframes) {
   return loop;
 }
 
+void getVerdict(ByteReader& in, std::vector<LoopRecord>& loops) {
+  LoopVerdict verdict;
+  in.get(verdict.loop);
+  verdict.accepted = in.get<std::uint8_t>() != 0;
+  in.get(verdict.reason);
+  if (verdict.loop >= loops.size()) throw inputError("a verdict on loop {} of {}", verdict.loop, loops.size());
+  loops[verdict.loop].accepted = verdict.accepted;
+  loops[verdict.loop].reason = verdict.reason;
+}
+
+GnssRecord getGnss(ByteReader& in, std::size_t keyframes) {
+  GnssRecord gnss;
+  in.get(gnss.keyframe);
+  gnss.fix.stamp = getStamp(in);
+  in.get(gnss.fix.latitude_deg);
+  in.get(gnss.fix.longitude_deg);
+  in.get(gnss.fix.height_m);
+  in.get(gnss.fix.covariance_m2);
+  in.get(gnss.fix.antenna_in_base_m);
+  in.get(gnss.antenna_in_keyframe_m);
+  if (gnss.keyframe >= keyframes) throw inputError("a satellite fix names keyframe {} of {}", gnss.keyframe, keyframes);
+  return gnss;
+}
+
 void getPoses(ByteReader& in, JournalContents& contents) {
   if (in.get<std::uint64_t>() != contents.keyframes.size())
     throw inputError("a list of poses does not match the {} keyframes before it", contents.keyframes.size());
@@ -107,6 +139,12 @@ void apply(std::string_view body, JournalContents& contents) {
     case RecordType::kPoses:
       getPoses(in, contents);
       contents.pose_bytes += kFrameBytes + body.size();
+      break;
+    case RecordType::kVerdict:
+      getVerdict(in, contents.loops);
+      break;
+    case RecordType::kGnss:
+      contents.gnss.push_back(getGnss(in, contents.keyframes.size()));
       break;
     case RecordType::kPosesDeferred:
       contents.poses_deferred = true;
@@ -213,6 +251,29 @@ void Journal::append(const LoopRecord& loop) {
   out.put(loop.reason);
   out.put(loop.T_match_query);
   out.put(loop.information);
+  appendBody(out.bytes());
+}
+
+void Journal::append(const LoopVerdict& verdict) {
+  ByteWriter out;
+  out.put(RecordType::kVerdict);
+  out.put(verdict.loop);
+  out.put(std::uint8_t{verdict.accepted});
+  out.put(verdict.reason);
+  appendBody(out.bytes());
+}
+
+void Journal::append(const GnssRecord& gnss) {
+  ByteWriter out;
+  out.put(RecordType::kGnss);
+  out.put(gnss.keyframe);
+  putStamp(out, gnss.fix.stamp);
+  out.put(gnss.fix.latitude_deg);
+  out.put(gnss.fix.longitude_deg);
+  out.put(gnss.fix.height_m);
+  out.put(gnss.fix.covariance_m2);
+  out.put(gnss.fix.antenna_in_base_m);
+  out.put(gnss.antenna_in_keyframe_m);
   appendBody(out.bytes());
 }
 

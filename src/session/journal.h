@@ -24,7 +24,8 @@ struct JournalContents {
   std::vector<ScanRecord> scans;
   std::vector<Keyframe> keyframes;
   std::vector<KeyframeFiles> files;  ///< per keyframe
-  std::vector<LoopRecord> loops;
+  std::vector<LoopRecord> loops;     ///< as last judged
+  std::vector<GnssRecord> gnss;
   std::vector<Pose> T_map_base;  ///< per keyframe: the last recorded optimisation, later keyframes chained by odometry
   bool poses_deferred = false;   ///< an optimisation happened that is not (yet) recorded
   std::uint64_t pose_bytes = 0, scan_bytes = 0;  ///< written so far, for PoseBudget
@@ -45,6 +46,8 @@ class Journal {
   void append(const ScanRecord& scan);
   void append(const Keyframe& keyframe, const Pose& T_map_base, const KeyframeFiles& files);
   void append(const LoopRecord& loop);
+  void append(const LoopVerdict& verdict);
+  void append(const GnssRecord& gnss);
   void append(const std::vector<Pose>& T_map_base);
   /// An optimisation whose poses follow later: readers chain keyframes by odometry until then.
   void appendPosesDeferred();

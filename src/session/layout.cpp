@@ -4,6 +4,7 @@
 
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
+#include "scslam/core/stamp.h"
 
 namespace scslam::layout {
 namespace {
@@ -50,9 +51,9 @@ std::vector<float> readRow(std::string_view line, const std::string& where) {
 }  // namespace
 
 std::vector<std::string> allNames() {
-  return {kScans,      kDescriptors, kOptimisedPoses,  kOdometryPoses, kTimes,   kPoseGraph,
-          kTrajectory, kOdometry,    kLoops,           kMetrics,       kConfig,  kLog,
-          kJournal,    kCheckpoint,  "trajectory.svg", "map",          kManifest};
+  return {kScans,      kDescriptors, kOptimisedPoses,  kOdometryPoses, kTimes,  kPoseGraph,
+          kTrajectory, kOdometry,    kLoops,           kMetrics,       kConfig, kLog,
+          kJournal,    kCheckpoint,  "trajectory.svg", "map",          kGnss,   kManifest};
 }
 
 std::filesystem::path scanFile(const std::filesystem::path& folder, KeyframeId k) {
@@ -97,6 +98,20 @@ Descriptor readDescriptor(const std::filesystem::path& file) {
 std::string formatTimes(const std::vector<Keyframe>& keyframes) {
   std::string text;
   for (const Keyframe& keyframe : keyframes) text += fmt::format("{:.17g}\n", toSeconds(keyframe.stamp));
+  return text;
+}
+
+std::string formatGnss(const std::vector<GnssRecord>& gnss) {
+  std::string text =
+      "keyframe,time_s,latitude_deg,longitude_deg,height_m,sigma_east_m,sigma_north_m,sigma_up_m,"
+      "antenna_x_m,antenna_y_m,antenna_z_m\n";
+  for (const GnssRecord& record : gnss) {
+    const auto& fix = record.fix;
+    const Eigen::Vector3d sigma = fix.covariance_m2.diagonal().cwiseSqrt(), &antenna = record.antenna_in_keyframe_m;
+    text += fmt::format("{},{},{:.10f},{:.10f},{:.4f},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g},{:.6g}\n", record.keyframe,
+                        formatStamp(fix.stamp), fix.latitude_deg, fix.longitude_deg, fix.height_m, sigma.x(), sigma.y(),
+                        sigma.z(), antenna.x(), antenna.y(), antenna.z());
+  }
   return text;
 }
 

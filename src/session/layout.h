@@ -24,6 +24,7 @@ inline constexpr const char* kPoseGraph = "singlesession_posegraph.g2o";
 inline constexpr const char* kTrajectory = "trajectory.tum";
 inline constexpr const char* kOdometry = "odometry.tum";
 inline constexpr const char* kLoops = "loops.csv";
+inline constexpr const char* kGnss = "gnss.csv";  ///< only where there were fixes
 
 /// Everything a session consists of, the manifest last; what else lies in its folder is the user's.
 std::vector<std::string> allNames();
@@ -38,6 +39,8 @@ Descriptor readDescriptor(const std::filesystem::path& file);
 
 /// Seconds, one a line, 17 significant digits.
 std::string formatTimes(const std::vector<Keyframe>& keyframes);
+/// One row per fix, with a header row: degrees, metres, the sigmas east, north, up.
+std::string formatGnss(const std::vector<GnssRecord>& gnss);
 /// One row per candidate, with a header row; figures of a registration that was not tried stay empty.
 std::string formatLoops(const std::vector<LoopRecord>& loops);
 

@@ -5,6 +5,7 @@
 
 #include "scslam/graph/pose_graph.h"
 #include "scslam/keyframe/keyframe.h"
+#include "scslam/sensor/navigation.h"
 
 namespace scslam {
 
@@ -30,6 +31,21 @@ struct LoopRecord {
   std::string reason;                       ///< "accepted" or the gate that refused, with the figure
   Pose T_match_query = Pose::Identity();    ///< measured, when registered
   Matrix6d information = Matrix6d::Zero();  ///< of it, when registered
+};
+
+/// A loop that was accepted or refused before and is judged otherwise now.
+struct LoopVerdict {
+  std::uint32_t loop = 0;  ///< index among the session's LoopRecords
+  bool accepted = false;
+  std::string reason;
+};
+
+/// A satellite fix, tied to the keyframe before it.
+struct GnssRecord {
+  KeyframeId keyframe = 0;
+  GnssFix fix;
+  /// Where odometry says the antenna was at the fix's time, in the base frame of the keyframe.
+  Eigen::Vector3d antenna_in_keyframe_m = Eigen::Vector3d::Zero();
 };
 
 }  // namespace scslam

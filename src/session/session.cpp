@@ -41,6 +41,7 @@ void Session::openOwn() {
   scans_ = std::move(contents.scans);
   keyframes_ = std::move(contents.keyframes);
   loops_ = std::move(contents.loops);
+  gnss_ = std::move(contents.gnss);
   T_map_base_ = std::move(contents.T_map_base);
 }
 

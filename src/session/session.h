@@ -25,6 +25,7 @@ class Session {
   const std::vector<Pose>& poses() const { return T_map_base_; }  ///< per keyframe
   const std::vector<ScanRecord>& scans() const { return scans_; }
   const std::vector<LoopRecord>& loops() const { return loops_; }
+  const std::vector<GnssRecord>& gnss() const { return gnss_; }
   /// T_map_base of every scan: the correction of its keyframe applied to its odometry.
   std::vector<StampedPose> trajectory() const;
   std::vector<StampedPose> odometry() const;
@@ -47,6 +48,7 @@ class Session {
   std::vector<Pose> T_map_base_;
   std::vector<ScanRecord> scans_;
   std::vector<LoopRecord> loops_;
+  std::vector<GnssRecord> gnss_;
 };
 
 }  // namespace scslam

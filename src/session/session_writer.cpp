@@ -50,6 +50,15 @@ class FolderWriter final : public SessionWriter {
     guarded([&] { journal_.append(loop); });
     contents_.loops.push_back(loop);
   }
+  void judgeLoop(const LoopVerdict& verdict) override {
+    LoopRecord& loop = contents_.loops.at(verdict.loop);
+    guarded([&] { journal_.append(verdict); });
+    loop.accepted = verdict.accepted, loop.reason = verdict.reason;
+  }
+  void addGnss(const GnssRecord& gnss) override {
+    guarded([&] { journal_.append(gnss); });
+    contents_.gnss.push_back(gnss);
+  }
   void setPoses(const std::vector<Pose>& T_map_base) override;
   void logLine(const std::string& line) override {
     guarded([&] { log_.append(line + "\n"); });
@@ -243,8 +252,8 @@ std::unique_ptr<SessionWriter> SessionWriter::resume(const fs::path& folder, con
     contents = readJournal(folder / layout::kJournal, checkpoint->journal_bytes);
     checkFiles(folder, *checkpoint, contents);
     contents.T_map_base = checkpoint->T_map_base;
-    recovered = {
-        contents.scans, contents.keyframes, contents.loops, contents.T_map_base, {}, checkpoint->pipeline_state};
+    recovered = {contents.scans, contents.keyframes,        contents.loops, contents.T_map_base, {},
+                 contents.gnss,  checkpoint->pipeline_state};
     for (const Keyframe& keyframe : contents.keyframes)
       recovered.descriptors.push_back(layout::readDescriptor(layout::descriptorFile(folder, keyframe.id)));
   }

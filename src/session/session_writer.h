@@ -31,6 +31,7 @@ struct RecoveredSession {
   std::vector<LoopRecord> loops;
   std::vector<Pose> T_map_base;  ///< per keyframe
   std::vector<Descriptor> descriptors;
+  std::vector<GnssRecord> gnss;
   std::string pipeline_state;  ///< the blob given to checkpoint(); empty: no checkpoint yet, start from the beginning
 };
 
@@ -64,6 +65,9 @@ class SessionWriter {
   virtual void addKeyframe(const Keyframe& keyframe, const Pose& T_map_base, const Cloud& cloud_sensor,
                            const Descriptor& descriptor) = 0;
   virtual void addLoop(const LoopRecord& loop) = 0;
+  /// Changes the verdict on a loop given to addLoop() before.
+  virtual void judgeLoop(const LoopVerdict& verdict) = 0;
+  virtual void addGnss(const GnssRecord& gnss) = 0;
   /// All keyframes moved (after an optimisation).
   virtual void setPoses(const std::vector<Pose>& T_map_base) = 0;
   /// A line of run.log (no wall clock in it).

@@ -25,12 +25,15 @@ std::vector<std::pair<std::string, std::string>> textFiles(const SessionInfo& in
     T_map_sensor.push_back(contents.T_map_base[k] * info.T_base_sensor);
     T_odom_sensor.push_back(keyframes[k].T_odom_base * info.T_base_sensor);
   }
-  return {{layout::kOptimisedPoses, formatKitti(T_map_sensor)},
-          {layout::kOdometryPoses, formatKitti(T_odom_sensor)},
-          {layout::kTimes, layout::formatTimes(keyframes)},
-          {layout::kTrajectory, formatTum(correctedTrajectory(contents.scans, keyframes, contents.T_map_base))},
-          {layout::kOdometry, formatTum(odometryTrajectory(contents.scans))},
-          {layout::kLoops, layout::formatLoops(contents.loops)}};
+  std::vector<std::pair<std::string, std::string>> files = {
+      {layout::kOptimisedPoses, formatKitti(T_map_sensor)},
+      {layout::kOdometryPoses, formatKitti(T_odom_sensor)},
+      {layout::kTimes, layout::formatTimes(keyframes)},
+      {layout::kTrajectory, formatTum(correctedTrajectory(contents.scans, keyframes, contents.T_map_base))},
+      {layout::kOdometry, formatTum(odometryTrajectory(contents.scans))},
+      {layout::kLoops, layout::formatLoops(contents.loops)}};
+  if (!contents.gnss.empty()) files.emplace_back(layout::kGnss, layout::formatGnss(contents.gnss));
+  return files;
 }
 
 void writeTextFiles(const std::filesystem::path& folder, const SessionInfo& info, const JournalContents& contents,

@@ -18,6 +18,7 @@ struct Outer : ParamSetOf<Outer> {
   bool on = true;
   std::string kind = "fast";
   std::vector<double> offsets = {1, 2.5};
+  std::vector<std::string> colours = {"red"};
   double limit = std::numeric_limits<double>::infinity();
   Inner inner;
   void describe(ParamVisitor& v) override {
@@ -25,6 +26,7 @@ struct Outer : ParamSetOf<Outer> {
     v.field("kind", kind, "which", {"fast", "careful"});
     v.field("offsets", offsets, "offsets [m]");
     v.field("limit", limit, "limit [m]");
+    v.field("colours", colours, "which colours", {"red", "green", "blue"});
     v.group("inner", inner, "the inner part");
   }
 };
@@ -38,6 +40,21 @@ std::string complaint(const std::string& yaml) {
     return error.what();
   }
   return "accepted";
+}
+
+TEST(Params, AListOfNamesTakesOnlyItsChoicesEachOnce) {
+  Outer params;
+  loadYaml(params, "colours: [blue, red]", "my.yaml");
+  EXPECT_EQ(params.colours, (std::vector<std::string>{"blue", "red"}));
+  setParam(params, "colours=green");
+  EXPECT_EQ(params.colours, std::vector<std::string>{"green"});
+  Outer again;
+  loadYaml(again, dumpYaml(params), "dump");
+  EXPECT_EQ(again.colours, params.colours);
+  EXPECT_EQ(complaint("colours: [red, gren]"),
+            "my.yaml:1:16: colours cannot be 'gren'; did you mean 'green'? (known: red, green, blue)");
+  EXPECT_EQ(complaint("colours: [red, red]"), "my.yaml:1:16: colours names 'red' twice");
+  EXPECT_EQ(complaint("colours: {a: 1}"), "my.yaml:1:10: colours must be a list of names: [one, two]");
 }
 
 TEST(Params, KeysThatAreGivenReplaceDefaultsAndOthersStay) {

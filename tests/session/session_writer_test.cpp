@@ -1,6 +1,7 @@
 #include "scslam/session/session_writer.h"
 
 #include "scslam/core/error.h"
+#include "scslam/core/file.h"
 #include "scslam/core/pcd.h"
 #include "scslam/graph/g2o.h"
 #include "scslam/session/cloud_store.h"
@@ -42,6 +43,40 @@ TEST(SessionWriter, WritesTheClassicLayoutAndOurFilesAndNothingElse) {
   EXPECT_THAT(names, ::testing::ElementsAre("config.yaml", "journal.bin", "loops.csv", "metrics.json", "odom_poses.txt",
                                             "odometry.tum", "optimized_poses.txt", "run.log", "session.yaml",
                                             "singlesession_posegraph.g2o", "times.txt", "trajectory.tum"));
+}
+
+TEST(SessionWriter, KeepsFixesAndTheLastVerdictOnEachLoop) {
+  const fs::path folder = memoryFolder() / "s";
+  const MadeUpSession made;
+  GnssRecord record;
+  record.keyframe = 2;
+  record.fix = {stampFromSeconds(1e9 + 0.65),          48.123456789, 11.5, 512.25,
+                Eigen::Vector3d(1, 4, 9).asDiagonal(), {1, 2, 3}};
+  record.antenna_in_keyframe_m = {1.5, 2, 3};
+  {
+    const auto writer = SessionWriter::create(folder, made.info, false);
+    std::size_t events = 0;
+    made.tellAll(*writer, [&] {
+      if (++events == 20) writer->addGnss(record);
+    });
+    writer->judgeLoop({0, false, "taken back"});
+    writer->judgeLoop({1, true, "accepted"});
+  }
+  const Session session = Session::open(folder);
+  ASSERT_GE(session.loops().size(), 2u);
+  EXPECT_FALSE(session.loops()[0].accepted);
+  EXPECT_EQ(session.loops()[0].reason, "taken back");
+  EXPECT_TRUE(session.loops()[1].accepted);
+  ASSERT_EQ(session.gnss().size(), 1u);
+  EXPECT_EQ(session.gnss()[0].keyframe, 2u);
+  EXPECT_EQ(session.gnss()[0].fix.stamp, record.fix.stamp);
+  EXPECT_EQ(session.gnss()[0].fix.latitude_deg, 48.123456789);
+  EXPECT_EQ(session.gnss()[0].fix.covariance_m2, record.fix.covariance_m2);
+  EXPECT_EQ(session.gnss()[0].antenna_in_keyframe_m, record.antenna_in_keyframe_m);
+  EXPECT_EQ(readFile(folder / "gnss.csv"),
+            "keyframe,time_s,latitude_deg,longitude_deg,height_m,sigma_east_m,sigma_north_m,sigma_up_m,"
+            "antenna_x_m,antenna_y_m,antenna_z_m\n"
+            "2,1000000000.650000000,48.1234567890,11.5000000000,512.2500,1,2,3,1.5,2,3\n");
 }
 
 TEST(SessionWriter, SessionReadsBackBitForBit) {
