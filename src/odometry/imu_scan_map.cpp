@@ -21,6 +21,8 @@ void ImuScanMap::Params::describe(ParamVisitor& visitor) {
   visitor.field("min_range_m", min_range_m, "nearer points are dropped [m]; 0: 1.0 (planar scans 0.1)", 0.0, 100.0);
   visitor.field("max_range_m", max_range_m, "farther points are dropped [m]", 1.0, 1000.0);
   visitor.field("max_iterations", max_iterations, "Gauss-Newton iterations per scan", 1, 1000);
+  visitor.field("degenerate_share", degenerate_share,
+                "directions with less than this share of a scan's information are left to the prediction", 0.0, 1.0);
 }
 
 Cloud ImuScanMap::inRange(const Scan& scan) const {
@@ -86,6 +88,7 @@ MatchOptions ImuScanMap::options() const {
   options.inlier_m = (planar_ ? 0.5 : 0.3) * voxel_m_;
   options.sigma_m = planar_ ? std::max(0.06 * voxel_m_, 0.02) : 0.06 * voxel_m_;
   options.planar = planar_;
+  options.degenerate_share = params_.degenerate_share;
   return options;
 }
 

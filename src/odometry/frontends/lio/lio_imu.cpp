@@ -49,6 +49,7 @@ void Lio::beginInertial(const Scan& scan, const ImuStart& start) {
   const Vector3d up_odom = ((T_odom_base * scan.T_base_imu).linear() * start.accel).normalized();
   const Vector3d v_base = speed_known_ ? Vector3d(T_odom_base.linear() * twist_.head<3>()) : Vector3d::Zero();
   ImuFilter::Start sigma;
+  if (start.still) sigma.velocity_mps = 0.1;
   if (speed_known_) sigma.velocity_mps = 1;
   if (params_.estimate_mounting) sigma.mounting_m = 0.05, sigma.mounting_rad = 0.03;
   filter_.begin(T_odom_base, scan.T_base_imu, -params_.gravity_m_s2 * up_odom, sigma);
