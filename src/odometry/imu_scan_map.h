@@ -14,8 +14,9 @@ class ImuScanMap {
     double min_range_m = 0;  ///< nearer points are the robot itself; 0: 1.0, 0.1 for planar scans
     double max_range_m = 100;
     int max_iterations = 20;
-    /// A direction with less than this share of the information is left to the prediction. Normals err by a few degrees,
-    /// so that a bare tunnel has some 0.003 along its axis that nothing stands for; ends and bends have 0.03 and more.
+    /// A direction with less than this share of the information is left to the prediction. Normals err by a few
+    /// degrees, so that a bare tunnel has some 0.003 along its axis that nothing stands for; ends and bends have 0.03
+    /// and more.
     double degenerate_share = 0.01;
     void describe(ParamVisitor& visitor) override;
   };

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <Eigen/Eigenvalues>
 
 #include "scslam/core/deskew.h"
 
@@ -152,7 +149,6 @@ Matrix6d Lio::reportedCovariance() const {
 void Lio::accept(const Scan& scan, const Fit& fit, OdometryStep& out) {
   map_.note(fit.match);
   lost_ = 0;
-  if (getenv("LIODBG")) { Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> e(fit.match.system.H.topLeftCorner<3,3>()); fprintf(stderr,"DBG deg %d share %.5f %.5f H %.3g v %.3f %.3f %.3f sv %.3f it %d inl %.2f ba %.4f %.4f %.4f corr %.4f\n", fit.match.degenerate_axes, e.eigenvalues()(0)/e.eigenvalues().sum(), e.eigenvalues()(1)/e.eigenvalues().sum(), e.eigenvalues().sum()/15, filter_.nav().v.x(),filter_.nav().v.y(),filter_.nav().v.z(), std::sqrt(filter_.covariance()(6,6)), fit.match.iterations, fit.match.inlierRatio(), filter_.bias().accel.x(), filter_.bias().accel.y(), filter_.bias().accel.z(), local(filter_.basePose(),fit.match.T_map_scan).head<3>().norm()); }
   filter_.measurePose(fit.match.T_map_scan, fit.match.information);
   const Pose T_odom_base = filter_.basePose(), T_step = T_previous_.inverse() * T_odom_base;
   watchImu(scan, T_step);
