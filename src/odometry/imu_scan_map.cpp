@@ -68,7 +68,7 @@ void ImuScanMap::restart() {
 
 Cloud ImuScanMap::thin(const Cloud& cloud) const {
   if (cloud.size() <= kThinAbove) return cloud;
-  const std::vector<std::uint32_t> kept = firstPerVoxel(cloud, 0.4 * voxel_m_);
+  const std::vector<std::uint32_t> kept = firstPerVoxel(cloud, 0.6 * voxel_m_);
   Cloud thin = selected(cloud, kept);
   if (!cloud.hasTime()) return thin;
   thin.dt.reserve(kept.size());
