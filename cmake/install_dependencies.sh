@@ -3,7 +3,7 @@
 set -euo pipefail
 
 build_packages=(g++ cmake ninja-build ccache lld libeigen3-dev libfmt-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev zlib1g-dev
-  libpng-dev libceres-dev libembree-dev libassimp-dev libssl-dev liboctomap-dev libmrpt-maps-dev libmrpt-graphs-dev)
+  libpng-dev libceres-dev libembree-dev libassimp-dev libssl-dev liboctomap-dev libgeographiclib-dev libmrpt-maps-dev libmrpt-graphs-dev)
 test_packages=(libgtest-dev libgmock-dev libbenchmark-dev mrpt-common clang-format python3)
 
 install_packages() {

@@ -1,7 +1,7 @@
 // GNSS receiver: positions with white noise, bursts of multipath, and outages (listed, or where the sky is blocked).
 #pragma once
+#include "scslam/core/geodesy.h"
 #include "scslam/core/params.h"
-#include "sim/geodetic.h"
 #include "sim/navigation_sensor.h"
 
 namespace scslam::sim {

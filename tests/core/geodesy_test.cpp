@@ -1,35 +1,15 @@
-#include "sim/geodetic.h"
+#include "scslam/core/geodesy.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace scslam::sim {
+namespace scslam {
 namespace {
 
 using Eigen::Vector3d;
 
-TEST(Geodetic, AxesOfTheEllipsoidAreThoseOfWgs84) {
-  EXPECT_NEAR((toEcef({0, 0, 0}) - Vector3d(6378137.0, 0, 0)).norm(), 0, 1e-6);
-  EXPECT_NEAR((toEcef({0, 90, 100}) - Vector3d(0, 6378237.0, 0)).norm(), 0, 1e-6);
-  EXPECT_NEAR((toEcef({90, 0, 0}) - Vector3d(0, 0, 6356752.314245)).norm(), 0, 1e-6);
-}
-
-TEST(Geodetic, RoundTripIsBelowAMillimetreEverywhere) {
-  double worst = 0;
-  for (double latitude : {-90.0, -89.9999, -60.0, -1e-7, 0.0, 0.5, 36.37, 45.0, 77.7, 89.999999, 90.0})
-    for (double longitude : {-180.0, -77.0, 0.0, 1e-9, 127.36, 179.9999999})
-      for (double height : {-10000.0, -430.0, 0.0, 60.0, 8848.0, 400e3, 1e7}) {
-        const Vector3d ecef = toEcef({latitude, longitude, height});
-        const Geodetic g = fromEcef(ecef);
-        worst = std::max(worst, (toEcef(g) - ecef).norm());
-        EXPECT_NEAR(g.height_m, height, 1e-6);
-        EXPECT_NEAR(g.latitude_deg, latitude, 1e-10);
-      }
-  EXPECT_LT(worst, 1e-6) << "m";
-}
-
-TEST(Geodetic, EnuRoundTripIsBelowAMillimetreWithinATown) {
+TEST(Geodesy, EnuRoundTripIsBelowAMillimetreWithinATown) {
   for (double latitude : {-90.0, -33.9, 0.0, 36.3721, 90.0}) {
     const LocalEnu enu({latitude, 127.3604, 60});
     for (const Vector3d& p : {Vector3d(0, 0, 0), Vector3d(5000, -3000, 40), Vector3d(-20000, 15000, -100)})
@@ -37,7 +17,7 @@ TEST(Geodetic, EnuRoundTripIsBelowAMillimetreWithinATown) {
   }
 }
 
-TEST(Geodetic, EnuAxesPointEastNorthAndUp) {
+TEST(Geodesy, EnuAxesPointEastNorthAndUp) {
   const Geodetic origin{48, 11, 500};
   const LocalEnu enu(origin);
   const Geodetic east = enu.toGeodetic({100, 0, 0}), north = enu.toGeodetic({0, 100, 0}),
@@ -53,5 +33,22 @@ TEST(Geodetic, EnuAxesPointEastNorthAndUp) {
   EXPECT_NEAR(east.height_m - 500, 100.0 * 100 / (2 * n), 1e-4);
 }
 
+TEST(Geodesy, UtmOfAKnownPoint) {
+  const Utm utm = toUtm({48, 9, 0});  // on the central meridian of zone 32
+  EXPECT_EQ(utm.zone, 32);
+  EXPECT_TRUE(utm.north);
+  EXPECT_EQ(utm.epsg(), 32632);
+  EXPECT_NEAR(utm.easting_m, 500000, 1e-6);
+  EXPECT_NEAR(utm.convergence_deg, 0, 1e-9);
+  EXPECT_NEAR(utm.scale, 0.9996, 1e-9);
+  EXPECT_NEAR(utm.northing_m, 5316300.5, 1000);  // 0.9996 times the meridian arc
+  EXPECT_EQ(toUtm({-36.37, 127.36, 0}).epsg(), 32752);
+}
+
+TEST(Geodesy, RefusesALatitudeBeyondThePoles) {
+  EXPECT_ANY_THROW(LocalEnu({91, 0, 0}));
+  EXPECT_ANY_THROW(LocalEnu({std::nan(""), 0, 0}));
+}
+
 }  // namespace
-}  // namespace scslam::sim
+}  // namespace scslam
