@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <algorithm>
-
 #include "scslam/keyframe/submap.h"
 
 namespace scslam {
@@ -24,46 +22,69 @@ OdometryPrediction prediction(const std::vector<Keyframe>& keyframes, const std:
           keyframes[query].travelled_m - keyframes[match].travelled_m};
 }
 
-void fill(LoopRecord& record, const LoopVerdict& verdict) {
-  const RegistrationResult& result = verdict.registration;
+void fill(LoopRecord& record, const Verification& verification) {
+  const RegistrationResult& result = verification.registration;
   record.registered = true;
   record.T_match_query = result.T_target_source;
   record.information = result.hessian;
   record.rmse_m = result.rmse_m, record.inlier_ratio = result.inlier_ratio;
   record.explained = result.explained, record.overlap = result.overlap;
   record.unfixed_axes = result.degenerate_axes;
-  record.odometry_mahalanobis2 = verdict.odometry_mahalanobis2;
-  record.free_space_checked = verdict.free_space.has_value();
-  if (verdict.free_space) {
-    record.target_overlap = verdict.free_space->target_overlap;
-    record.seen_through = std::max(verdict.free_space->through_submap, verdict.free_space->through_scan);
+  record.odometry_mahalanobis2 = verification.odometry_mahalanobis2;
+  record.free_space_checked = verification.free_space.has_value();
+  if (verification.free_space) {
+    record.target_overlap = verification.free_space->target_overlap;
+    record.seen_through = std::max(verification.free_space->through_submap, verification.free_space->through_scan);
   }
-  record.reason = verdict.refusal;
+  record.reason = verification.refusal;
 }
 
 }  // namespace
 
 LoopCloser::LoopCloser(const SlamParams& params, const PluginContext& context, const Pose& T_base_sensor)
     : params_(params.registration),
-      recogniser_name_(params.place.recogniser.name),
-      recogniser_(params.place.recogniser.create(context)),
+      names_(params.place.recognisers.names),
+      recognisers_(params.place.recognisers.create(context)),
       verifier_(params.registration.method.create(context), params.registration.gates, T_base_sensor.translation()) {}
+
+Descriptor LoopCloser::describe(const Keyframe& keyframe, const Cloud& cloud_base) const {
+  const bool described = !recognisers_.empty() && recognisers_.front()->usesScans();
+  return described ? recognisers_.front()->describe(keyframe, cloud_base) : Descriptor();
+}
+
+void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, CloudStore& clouds) {
+  for (const auto& recogniser : recognisers_) {
+    const bool first = recogniser == recognisers_.front();
+    if (first || !recogniser->usesScans())
+      recogniser->add(keyframe, first ? descriptor : Descriptor());
+    else
+      recogniser->add(keyframe, recogniser->describe(keyframe, *clouds.get(keyframe.id)));
+  }
+}
 
 std::vector<LoopRecord> LoopCloser::close(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                                           CloudStore& clouds) {
   target_.reset();
   std::vector<LoopRecord> records;
-  for (const PlaceCandidate& candidate : recogniser_->query(keyframes.back().id))
-    records.push_back(verify(candidate, keyframes, T_map_base, clouds));
+  for (std::size_t r = 0; r < recognisers_.size(); ++r) {
+    recognisers_[r]->setPoses(T_map_base);
+    for (const PlaceCandidate& candidate : recognisers_[r]->query(keyframes.back().id)) {
+      const bool closed = std::any_of(records.begin(), records.end(), [&](const LoopRecord& record) {
+        return record.match == candidate.match && record.accepted;
+      });
+      if (!closed) records.push_back(verify(names_[r], candidate, keyframes, T_map_base, clouds));
+    }
+  }
   return records;
 }
 
-LoopRecord LoopCloser::verify(const PlaceCandidate& candidate, const std::vector<Keyframe>& keyframes,
-                              const std::vector<Pose>& T_map_base, CloudStore& clouds) {
+LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidate& candidate,
+                              const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
+                              CloudStore& clouds) {
   const Keyframe& query = keyframes.back();
   LoopRecord record;
   record.query = query.id, record.match = candidate.match;
-  record.recogniser = recogniser_name_;
+  record.recogniser = recogniser;
   record.distance = candidate.distance;
   record.yaw_guess_rad = yawOf(candidate.T_match_query);
 

@@ -26,17 +26,17 @@ class LoopCloser {
                                 CloudStore& clouds);
 
  private:
-  LoopRecord verify(const PlaceCandidate& candidate, const std::vector<Keyframe>& keyframes,
-                    const std::vector<Pose>& T_map_base, CloudStore& clouds);
-  /// The scans around `match` as the verifier's target; kept while the poses stay the same.
+  LoopRecord verify(const std::string& recogniser, const PlaceCandidate& candidate,
+                    const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base, CloudStore& clouds);
+  /// The scans around `match` as the verifier's target, unless it holds them; within one close() the poses stay.
   void setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                  CloudStore& clouds);
 
   RegistrationParams params_;
-  std::string recogniser_name_;
-  std::unique_ptr<PlaceRecogniser> recogniser_;
+  std::vector<std::string> names_;  ///< of the recognisers
+  std::vector<std::unique_ptr<PlaceRecogniser>> recognisers_;
   LoopVerifier verifier_;
-  std::optional<KeyframeId> target_;
+  std::optional<KeyframeId> target_;  ///< what verifier_ holds
 };
 
 }  // namespace scslam

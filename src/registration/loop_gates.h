@@ -8,14 +8,14 @@
 namespace scslam {
 
 struct LoopGateParams : ParamSetOf<LoopGateParams> {
-  double min_explained = 0.5;
-  double min_inlier_ratio = 0.8;
+  double min_explained = 0.45;
+  double min_inlier_ratio = 0.85;
   double min_overlap = 0.65;
   double max_rmse_m = 0.15;
   int max_degenerate_axes = 2;
   double max_rival_share = 0.95;
-  double min_target_overlap = 0.8;
-  double max_seen_through = 0.04;
+  double min_target_overlap = 0.85;
+  double max_seen_through = 0.05;
   double max_offset_m = 10;
   double odometry_sigma_per_m = 0.01;      ///< trust in odometry for the plausibility gate
   double odometry_sigma_up_per_m = 0.004;  ///< the same for heights: what tells the storeys of a garage apart

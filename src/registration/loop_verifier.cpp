@@ -30,20 +30,20 @@ void LoopVerifier::setTarget(LoopTarget target) {
   target_patches_.reset();
 }
 
-LoopVerdict LoopVerifier::verify(const Cloud& query, std::vector<Pose> T_target_query_guesses,
-                                 const OdometryPrediction& predicted, bool planar) {
-  LoopVerdict verdict;
+Verification LoopVerifier::verify(const Cloud& query, std::vector<Pose> T_target_query_guesses,
+                                  const OdometryPrediction& predicted, bool planar) {
+  Verification verification;
   T_target_query_guesses.push_back(predicted.T_match_query);
-  RegistrationResult& result = verdict.registration;
+  RegistrationResult& result = verification.registration;
   result = registration_->align(query, T_target_query_guesses, planar);
-  verdict.refusal = refusal(result, gates_);
-  if (verdict.refusal.empty()) verdict.refusal = contradiction(result, predicted, planar, gates_);
+  verification.refusal = refusal(result, gates_);
+  if (verification.refusal.empty()) verification.refusal = contradiction(result, predicted, planar, gates_);
   result.T_target_source = completed(result, predicted);
-  verdict.odometry_mahalanobis2 = odometryDisagreement(result.T_target_source, predicted, planar, gates_);
-  if (!verdict.refusal.empty()) return verdict;
-  verdict.free_space = freeSpace(query, result.T_target_source, planar);
-  verdict.refusal = refusal(*verdict.free_space, gates_);
-  return verdict;
+  verification.odometry_mahalanobis2 = odometryDisagreement(result.T_target_source, predicted, planar, gates_);
+  if (!verification.refusal.empty()) return verification;
+  verification.free_space = freeSpace(query, result.T_target_source, planar);
+  verification.refusal = refusal(*verification.free_space, gates_);
+  return verification;
 }
 
 FreeSpace LoopVerifier::freeSpace(const Cloud& query, const Pose& T_target_query, bool planar) {

@@ -17,7 +17,7 @@ struct LoopTarget {
   std::vector<std::shared_ptr<const Cloud>> clouds;  ///< each in its own base frame
 };
 
-struct LoopVerdict {
+struct Verification {
   RegistrationResult registration;
   std::optional<FreeSpace> free_space;  ///< compared only when the gates before let it pass
   double odometry_mahalanobis2 = 0;
@@ -35,8 +35,8 @@ class LoopVerifier {
 
   /// @param query frame base; @param T_target_query_guesses at least one, the place recogniser's first. Odometry's
   /// prediction is tried as well. @param planar 2-D data.
-  LoopVerdict verify(const Cloud& query, std::vector<Pose> T_target_query_guesses, const OdometryPrediction& predicted,
-                     bool planar);
+  Verification verify(const Cloud& query, std::vector<Pose> T_target_query_guesses, const OdometryPrediction& predicted,
+                      bool planar);
 
  private:
   FreeSpace freeSpace(const Cloud& query, const Pose& T_target_query, bool planar);

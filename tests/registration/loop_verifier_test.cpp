@@ -94,7 +94,7 @@ TEST(LoopVerifier, ASyntheticLoopClosesUnderAMillimetreFromAnyStartForwardAndRev
     const double turned = k % 2 == 0 ? 0 : M_PI;  // forward, reverse
     const Pose T_match_query = poseFromYaw(turned + within(0.5), {within(4), within(3), within(0.1)});
     const Pose guess = poseFromYaw(yawOf(T_match_query) + within(0.12), Eigen::Vector3d::Zero());
-    const LoopVerdict verdict =
+    const Verification verdict =
         loops.verify(scanAt(world, kPlace * T_match_query), {guess}, near(T_match_query), false);
     EXPECT_EQ(verdict.refusal, "") << k;
     EXPECT_THAT(verdict.registration.T_target_source, IsNear(T_match_query, 0.001, 0.01)) << k;
@@ -107,10 +107,10 @@ TEST(LoopVerifier, OneTargetServesManyScansAndGuesses) {
   LoopVerifier loops = verifier();
   loops.setTarget(targetOf(world, {kPlace}));
   loops.verify(scanAt(world, kPlace * there), {there}, near(there), false);
-  const LoopVerdict again = loops.verify(scanAt(world, kPlace * here), {here}, near(here), false);
+  const Verification again = loops.verify(scanAt(world, kPlace * here), {here}, near(here), false);
   LoopVerifier fresh = verifier(4);
   fresh.setTarget(targetOf(world, {kPlace}));
-  const LoopVerdict first = fresh.verify(scanAt(world, kPlace * here), {here}, near(here), false);
+  const Verification first = fresh.verify(scanAt(world, kPlace * here), {here}, near(here), false);
   EXPECT_EQ(again.registration.T_target_source.matrix(), first.registration.T_target_source.matrix());
   EXPECT_EQ(again.registration.hessian, first.registration.hessian);
   EXPECT_EQ(again.free_space->target_overlap, first.free_space->target_overlap);
@@ -125,7 +125,7 @@ TEST(LoopVerifier, ClosesFromAGuessTurnedTheWrongWay) {
   OdometryPrediction lost = near(T);
   lost.T_match_query = T * poseFromYaw(M_PI, {0, 0, 0});  // no help: turned like the guess
   lost.path_covariance(5, 5) = 10;
-  const LoopVerdict verdict = loops.verify(scanAt(world, kPlace * T), {lost.T_match_query}, lost, false);
+  const Verification verdict = loops.verify(scanAt(world, kPlace * T), {lost.T_match_query}, lost, false);
   EXPECT_THAT(verdict.registration.T_target_source, IsNear(T, 0.005, 0.05));
 }
 
@@ -134,7 +134,7 @@ TEST(LoopVerifier, TriesOdometrysPoseToo) {
   LoopVerifier loops = verifier();
   loops.setTarget(targetOf(world, {kPlace}));
   const Pose T = poseFromYaw(0.1, {5, 3, 0});
-  const LoopVerdict verdict =
+  const Verification verdict =
       loops.verify(scanAt(world, kPlace * T), {poseFromYaw(0.1 + M_PI / 2, Eigen::Vector3d::Zero())}, near(T), false);
   EXPECT_EQ(verdict.refusal, "");
   EXPECT_THAT(verdict.registration.T_target_source, IsNear(T, 0.005, 0.05));
@@ -147,12 +147,12 @@ TEST(LoopVerifier, AScanMustNotSeeThroughTheSubmapsWalls) {
   const Pose T = poseFromYaw(0.05, {0.5, 0.2, 0});
   LoopVerifier loops = verifier();
   loops.setTarget(targetOf(screened, {kPlace}));
-  const LoopVerdict through = loops.verify(scanAt(yard(), kPlace * T), {T}, near(T), false);
+  const Verification through = loops.verify(scanAt(yard(), kPlace * T), {T}, near(T), false);
   EXPECT_THAT(through.refusal, HasSubstr("free space: the scan sees through"));
   EXPECT_GT(through.free_space->through_submap, 0.05);
   // And the reverse: the scan has a wall where the submap's scans looked through.
   loops.setTarget(targetOf(yard(), {kPlace}));
-  const LoopVerdict wall = loops.verify(scanAt(screened, kPlace * T), {T}, near(T), false);
+  const Verification wall = loops.verify(scanAt(screened, kPlace * T), {T}, near(T), false);
   EXPECT_THAT(wall.refusal, HasSubstr("free space: the submap sees through"));
 }
 
@@ -164,7 +164,7 @@ TEST(LoopVerifier, ACorridorFixesFiveAxesAndTheFactorKeepsOnlyThose) {
   OdometryPrediction predicted;
   predicted.T_match_query = T * poseFromYaw(0.01, {0.8, 0.15, 0.05});
   predicted.travelled_m = 100;
-  const LoopVerdict verdict =
+  const Verification verdict =
       loops.verify(scanAt(corridor, place * T), {poseFromYaw(0, Eigen::Vector3d::Zero())}, predicted, false);
   EXPECT_EQ(verdict.refusal, "");
   EXPECT_EQ(verdict.registration.degenerate_axes, 1);
@@ -220,7 +220,7 @@ TEST(LoopVerifier, PlanarScansAreJudgedByTheSameGates) {
   predicted.travelled_m = 40;
   LoopVerifier loops = verifier();
   loops.setTarget(target(room));
-  const LoopVerdict same = loops.verify(single(room, place * T), {T}, predicted, true);
+  const Verification same = loops.verify(single(room, place * T), {T}, predicted, true);
   EXPECT_EQ(same.refusal, "");
   EXPECT_THAT(same.registration.T_target_source, IsNear(T, 0.01, 0.2));
   loops.setTarget(target(screened));

@@ -123,6 +123,8 @@ class VoxelPlanes : public Registration {
     grid.xy_step_m = std::max(2.0 * voxel_m_, params_.search_xy_m / 10);
     grid.z_range_m = planar_ ? 0.0 : params_.search_z_m;
     grid.z_step_m = voxel_m_;
+    grid.max_points = 200;
+    grid.candidates = 5;
     return grid;
   }
 
