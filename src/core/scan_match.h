@@ -92,6 +92,9 @@ struct MatchResult {
   /// Information of T_map_scan that can be believed (tangent of core/pose.h, frame scan): points that share a voxel
   /// share its map error, so kCorrelatedPoints of them count as one; degenerate directions carry none.
   Matrix6d information = Matrix6d::Zero();
+  /// Takes the part of a tangent vector (frame scan) that lies in the degenerate directions: what the match leaves
+  /// open.
+  Matrix6d unfixed = Matrix6d::Zero();
 
   /// Measured: makes the mean normalised error of steps on a surveyed drive about 1.
   static constexpr double kCorrelatedPoints = 15.0;
@@ -123,6 +126,28 @@ struct PoseGrid {
 /// the guess.
 MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                            const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads);
+
+/// Another place where the scan fits, found on the way to the best one.
+struct RivalPose {
+  Pose T_map_scan = Pose::Identity();
+  double share = 0;  ///< of the best one's mean score
+};
+
+struct SearchResult {
+  MatchResult best;
+  std::vector<RivalPose> rivals;  ///< every start's end, best first; those that ended at the best pose among them
+};
+
+/// Where searchFrom() begins: a grid about a guess.
+struct SearchStart {
+  Pose T_map_scan_guess;
+  PoseGrid grid;
+};
+
+/// searchAndMatch() from several starts at once: the cells of all grids compete. The first start's grid says how many
+/// points and cells are used.
+SearchResult searchFrom(const SurfacePyramid& map, const Cloud& source, const std::vector<SearchStart>& starts,
+                        const MatchOptions& options, ThreadPool& threads);
 
 /// Every k-th point, at most max_points, evenly spread.
 Cloud thinned(const Cloud& cloud, std::size_t max_points);

@@ -72,6 +72,12 @@ class VoxelSurface {
     return i != VoxelIndex::kAbsent && surfels_[i].valid() ? &surfels_[i] : nullptr;
   }
   bool occupied(VoxelKey key) const { return index_.find(key) != VoxelIndex::kAbsent; }
+  /// Calls visit(VoxelCoord, const Surfel&) for every voxel that holds a plane, in the order in which they appeared.
+  template <class Visit>
+  void forEachPlane(Visit visit) const {
+    for (std::size_t i = 0; i < surfels_.size(); ++i)
+      if (surfels_[i].valid()) visit(unpackVoxel(index_.keys()[i]), surfels_[i]);
+  }
 
   /// Mean direction of the planes within 18 degrees of level and radius_m of `centre`: the local up (ground, floors).
   /// @return +z where there are none.

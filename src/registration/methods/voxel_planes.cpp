@@ -12,7 +12,7 @@
 namespace scslam {
 namespace {
 
-constexpr int kLevels = 4;  // the coarsest catches a poor guess, the finest three give the result
+constexpr int kLevels = 3;  // the coarsest catches a poor guess
 
 // Error that no number of points averages out: the submap's scans stand at poses of their own. Measured on reverse
 // revisits of a street with surveyed poses (median error 0.02 m, 0.09 deg).
@@ -45,23 +45,29 @@ class VoxelPlanes : public Registration {
     map_.reset();
   }
 
-  RegistrationResult align(const Cloud& source, const Pose& T_target_source_guess, bool planar) override {
+  using Registration::align;
+  RegistrationResult align(const Cloud& source, const std::vector<Pose>& T_target_source_guesses,
+                           bool planar) override {
     RegistrationResult result;
-    result.T_target_source = T_target_source_guess;
+    result.T_target_source = T_target_source_guesses.front();
     if (!map_ || planar != planar_) buildMap(planar);
     if (map_->empty()) return result;
 
     const Cloud thin = sourcePoints(source);
-    const MatchResult match = searchAndMatch(*map_, thin, T_target_source_guess, grid(), options(), context_.threads);
+    const SearchResult search = searchFrom(*map_, thin, starts(T_target_source_guesses), options(), context_.threads);
+    const MatchResult& match = search.best;
     result.T_target_source = match.T_map_scan;
     result.converged = match.converged && match.inlierRatio() > 0.05;
     result.iterations = match.iterations;
     const MatchSystem& system = match.system;
     result.inlier_ratio = system.matched > 0 ? static_cast<double>(system.inliers) / system.matched : 0.0;
+    result.explained = match.inlierRatio();
     result.overlap = overlap(thin, match.T_map_scan);
     result.rmse_m = match.rmse();
     result.degenerate_axes = match.degenerate_axes;
+    result.unfixed = match.unfixed;
     result.hessian = believable(match.information);
+    result.rivals = distinct(search.rivals, match);
     return result;
   }
 
@@ -101,7 +107,7 @@ class VoxelPlanes : public Registration {
 
   MatchOptions options() const {
     MatchOptions options;
-    options.levels = {0, kLevels - 2};
+    options.levels = {0, kLevels - 1};
     options.max_iterations = params_.max_iterations;
     options.inlier_m = params_.inlier_m > 0 ? params_.inlier_m : 0.6 * voxel_m_;
     options.sigma_m = planar_ ? std::max(0.06 * voxel_m_, 0.02) : 0.06 * voxel_m_;
@@ -117,7 +123,38 @@ class VoxelPlanes : public Registration {
     grid.xy_step_m = std::max(2.0 * voxel_m_, params_.search_xy_m / 10);
     grid.z_range_m = planar_ ? 0.0 : params_.search_z_m;
     grid.z_step_m = voxel_m_;
+    grid.max_points = 200;
+    grid.candidates = 5;
     return grid;
+  }
+
+  /// The first guess with the whole grid, its mirror image with a coarse one, and the others where they lie outside.
+  std::vector<SearchStart> starts(const std::vector<Pose>& guesses) const {
+    const PoseGrid whole = grid();
+    PoseGrid coarse = whole;
+    coarse.xy_step_m = 4 * voxel_m_;
+    coarse.z_range_m = 0;
+    Pose half_turn = guesses.front();
+    half_turn.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix() * half_turn.linear();
+    std::vector<SearchStart> starts = {{guesses.front(), whole}, {half_turn, coarse}};
+    for (std::size_t i = 1; i < guesses.size(); ++i) {
+      const Vector6d d = local(guesses.front(), guesses[i]);
+      const bool inside = d.head<3>().norm() < whole.xy_range_m && d.tail<3>().norm() < whole.yaw_range_rad;
+      if (!inside && isRigid(guesses[i])) starts.push_back({guesses[i], coarse});
+    }
+    return starts;
+  }
+
+  /// Rivals that are another pose, not the same one reached less well or one farther along an unfixed direction.
+  std::vector<RivalRegistration> distinct(const std::vector<RivalPose>& rivals, const MatchResult& match) const {
+    constexpr double kAngle_rad = 0.2;
+    std::vector<RivalRegistration> result;
+    for (const RivalPose& rival : rivals) {
+      const Vector6d d = local(match.T_map_scan, rival.T_map_scan), fixed = d - match.unfixed * d;
+      if (fixed.head<3>().norm() > 4 * voxel_m_ || fixed.tail<3>().norm() > kAngle_rad)
+        result.push_back({rival.T_map_scan, rival.share});
+    }
+    return result;
   }
 
   /// Share of the source inside the target's bounding box that lies in an occupied voxel of the second level.
@@ -136,17 +173,14 @@ class VoxelPlanes : public Registration {
     return inside ? static_cast<double>(occupied) / static_cast<double>(inside) : 0.0;
   }
 
-  /// Directions the overlap does not fix are known as well as the guess was: to the width of the search.
+  /// The floor is added to the covariance: (I^-1 + F)^-1, written so that unfixed directions stay unfixed. They keep
+  /// the information of a kilometre, which no graph feels, so that the matrix can be inverted.
   Matrix6d believable(const Matrix6d& information) const {
-    const double xyz = std::max(params_.search_xy_m, voxel_m_),
-                 angle = std::max(params_.search_yaw_deg, 2.0) * M_PI / 180;
-    Matrix6d hessian = information;
-    hessian.diagonal().head<3>().array() += 1 / (xyz * xyz);
-    hessian.diagonal().tail<3>().array() += 1 / (angle * angle);
-    Matrix6d covariance = hessian.inverse();
-    covariance.diagonal().head<3>().array() += kFloor_m * kFloor_m;
-    covariance.diagonal().tail<3>().array() += kFloor_rad * kFloor_rad;
-    hessian = covariance.inverse();
+    constexpr double kNext_to_nothing = 1e-6;
+    const Matrix6d known = information + kNext_to_nothing * Matrix6d::Identity();
+    Vector6d floor;
+    floor << Eigen::Vector3d::Constant(kFloor_m * kFloor_m), Eigen::Vector3d::Constant(kFloor_rad * kFloor_rad);
+    const Matrix6d hessian = known * (Matrix6d::Identity() + floor.asDiagonal() * known).inverse();
     return 0.5 * (hessian + hessian.transpose());
   }
 
