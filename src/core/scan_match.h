@@ -57,6 +57,9 @@ struct MatchSystem {
   double medianResidual(double gate_m) const;
 };
 
+/// Adds the sums, the counts (except `points`) and the histogram of a part.
+void addSystem(const MatchSystem& part, MatchSystem& total);
+
 struct MatchKernel {
   double width_m = 0.3;    ///< of Geman-McClure
   double gate_m = 1.0;     ///< residuals beyond are no match
