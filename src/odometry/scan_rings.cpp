@@ -30,13 +30,20 @@ Directions directionsOf(const Cloud& cloud_base, const Pose& T_base_sensor) {
   return d;
 }
 
-/// Levels of steepness at which the points lie, where there are gaps between them.
-std::vector<float> separateLevels(const std::vector<float>& slope) {
+/// Elevations of some of the points [rad], sorted, without the outermost strays.
+std::vector<float> someElevations(const std::vector<float>& slope) {
   constexpr std::size_t kSample = 30000;
   std::vector<float> angles;
   const std::size_t step = std::max<std::size_t>(1, slope.size() / kSample);
   for (std::size_t i = 0; i < slope.size(); i += step) angles.push_back(std::atan(slope[i]));
   std::sort(angles.begin(), angles.end());
+  const auto strays = static_cast<std::ptrdiff_t>(angles.size() / 500);
+  return {angles.begin() + strays, angles.end() - strays};
+}
+
+/// Levels of steepness at which the points lie, where there are gaps between them.
+std::vector<float> separateLevels(const std::vector<float>& slope) {
+  const std::vector<float> angles = someElevations(slope);
   if (angles.size() < 100) return {};
   const float gap = (angles.back() - angles.front()) / 600;
   std::vector<float> centres, widths;
@@ -60,6 +67,16 @@ std::vector<float> separateLevels(const std::vector<float>& slope) {
   }
   for (float& angle : centres) angle = std::tan(angle);
   return centres;
+}
+
+/// `count` levels in equal steps over what is seen.
+std::vector<float> equalLevels(const std::vector<float>& slope, int count) {
+  const std::vector<float> angles = someElevations(slope);
+  std::vector<float> levels;
+  for (int k = 0; k < count && !angles.empty(); ++k)
+    levels.push_back(std::tan(angles.front() + (angles.back() - angles.front()) * (static_cast<float>(k) + 0.5f) /
+                                                   static_cast<float>(count)));
+  return levels;
 }
 
 std::vector<std::uint16_t> nearestLevels(const std::vector<float>& slope, const std::vector<float>& levels) {
@@ -177,8 +194,16 @@ ScanRings gathered(const std::vector<std::uint16_t>& ring, const std::vector<flo
 
 }  // namespace
 
-RingFinder::RingFinder(const std::vector<double>& elevation_deg) {
-  for (const double elevation : elevation_deg) levels_.push_back(static_cast<float>(std::tan(elevation * M_PI / 180)));
+void RingParams::describe(ParamVisitor& visitor) {
+  visitor.field("elevation_deg", elevation_deg,
+                "elevations of the beams in the sensor frame [deg], for clouds without rings; empty: from the data");
+  visitor.field("virtual_rings", virtual_rings,
+                "where no rings are found, cut the elevations seen into so many; 0: an error", 0, 512);
+}
+
+RingFinder::RingFinder(const RingParams& params) : virtual_rings_(params.virtual_rings) {
+  for (const double elevation : params.elevation_deg)
+    levels_.push_back(static_cast<float>(std::tan(elevation * M_PI / 180)));
   std::sort(levels_.begin(), levels_.end());
 }
 
@@ -197,6 +222,10 @@ std::string RingFinder::find(const Cloud& cloud_base, const Pose& T_base_sensor,
   } else {
     ring = nearestLevels(directions.slope, levels_);
   }
+  if (ring.empty() && virtual_rings_ > 0 && !by_rows_) {
+    levels_ = equalLevels(directions.slope, virtual_rings_);
+    if (!levels_.empty()) ring = nearestLevels(directions.slope, levels_);
+  }
   if (ring.empty())
     return "its points carry no ring (laser number) and lie neither on levels of elevation nor row by row";
   rings = gathered(ring, directions.turn);
@@ -212,10 +241,10 @@ std::string RingFinder::ringsOf(const Cloud& cloud_base, const Scan& scan, const
   const std::string why = find(cloud_base, scan.T_base_sensor, rings);
   if (!why.empty() && first && cloud_base.size() >= kWholeScan)
     throw inputError(
-        "odometry {}: it needs the rings of a spinning LiDAR, but {}; give the beams (odometry.{}.elevation_deg) or "
-        "use "
+        "odometry {}: it needs the rings of a spinning LiDAR, but {}; give the beams "
+        "(odometry.{}.rings.elevation_deg), cut it into levels (odometry.{}.rings.virtual_rings=64) or use "
         "--odometry voxel_icp",
-        name, why, name);
+        name, why, name, name);
   return why;
 }
 

@@ -5,6 +5,7 @@
 
 #include "scslam/core/bytes.h"
 #include "scslam/core/cloud.h"
+#include "scslam/core/params.h"
 #include "scslam/sensor/scan.h"
 
 namespace scslam {
@@ -19,14 +20,20 @@ struct ScanRings {
   const std::uint32_t* ring(std::size_t r) const { return &points[begin[r]]; }
 };
 
+struct RingParams : ParamSetOf<RingParams> {
+  std::vector<double> elevation_deg;  ///< of the beams in the sensor frame (configs/sensors/*.yaml)
+  int virtual_rings = 0;
+  void describe(ParamVisitor& visitor) override;
+};
+
 /// Finds the rings of scans of one sensor: from the cloud's ring field; or from the elevations of the beams, given or
 /// seen as separate levels in the data; or from the order of the file (one ring after the other, as KITTI has them).
+/// Where all of that fails, virtual rings (when asked for) cut what the first scan sees into equal steps of elevation.
 class RingFinder {
  public:
   static constexpr std::size_t kMostRings = 512;
 
-  /// @param elevation_deg of the beams in the sensor frame, where known (configs/sensors/*.yaml); else empty.
-  explicit RingFinder(const std::vector<double>& elevation_deg = {});
+  explicit RingFinder(const RingParams& params = {});
 
   /// @param cloud_base frame base; no NaN. @return empty, or why no rings were found.
   std::string find(const Cloud& cloud_base, const Pose& T_base_sensor, ScanRings& rings);
@@ -40,6 +47,7 @@ class RingFinder {
   void load(ByteReader& state);
 
  private:
+  int virtual_rings_;
   std::vector<float> levels_;  ///< tan(elevation) of the beams, ascending; empty: not known (yet)
   bool by_rows_ = false;       ///< the first scan had no levels and lay row by row: so do the others
 };

@@ -11,17 +11,15 @@ class Loam : public FeatureOdometry {
  public:
   struct Params : ParamSetOf<Params>, ScanToMapParams {
     CurvatureParams features;
-    std::vector<double> elevation_deg;  ///< of the beams, for clouds without rings
+    RingParams rings;
     void describe(ParamVisitor& visitor) override {
       describeShared(visitor);
       visitor.group("features", features, "edge and plane features along each ring");
-      visitor.field(
-          "elevation_deg", elevation_deg,
-          "elevations of the beams in the sensor frame [deg], for clouds without rings; empty: from the data");
+      visitor.group("rings", rings, "which laser saw a point, where the cloud does not say");
     }
   };
   Loam(const Params& params, const PluginContext& context)
-      : FeatureOdometry(params, context), params_(params), finder_(params.elevation_deg) {}
+      : FeatureOdometry(params, context), params_(params), finder_(params.rings) {}
 
  private:
   std::string extract(const Cloud& cloud, const Scan& scan, Features& features) override {
