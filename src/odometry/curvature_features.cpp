@@ -29,6 +29,7 @@ struct Ring {
   std::vector<float> x, y, z, range;
   std::vector<float> stands_out;   ///< o_i [m]
   std::vector<std::uint8_t> flaw;  ///< no edge may be here
+  std::vector<std::uint8_t> role;  ///< FeatureRole
   std::size_t size() const { return x.size(); }
 };
 
@@ -43,8 +44,11 @@ void standOut(const float* x, const float* y, const float* z, std::size_t n, flo
   }
 }
 
-Ring gatherRing(const Cloud& cloud, const std::uint32_t* points, std::size_t n, const Eigen::Vector3f& origin) {
+Ring gatherRing(const Cloud& cloud, const std::uint32_t* points, std::size_t n, const Eigen::Vector3f& origin,
+                const std::vector<std::uint8_t>& roles) {
   Ring ring;
+  ring.role.assign(n, kMayBeAll);
+  for (std::size_t i = 0; i < n && !roles.empty(); ++i) ring.role[i] = roles[points[i]];
   for (auto* field : {&ring.x, &ring.y, &ring.z, &ring.range, &ring.stands_out}) field->assign(n, 0.0f);
   ring.flaw.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
@@ -104,7 +108,7 @@ void selectSector(const Ring& ring, const std::uint32_t* points, std::size_t beg
   const auto isEdge = [&](std::uint32_t i) {
     const float least = std::max(static_cast<float>(params.edge_m),
                                  static_cast<float>(params.edge_share) * half_length * ring.range[i]);
-    return ring.stands_out[i] > least && !ring.flaw[i];
+    return ring.stands_out[i] > least && !ring.flaw[i] && (ring.role[i] & kMayBeEdge) != 0;
   };
   std::vector<std::uint32_t> edges;
   std::copy_if(order.begin(), order.end(), std::back_inserter(edges), isEdge);
@@ -120,7 +124,8 @@ void selectSector(const Ring& ring, const std::uint32_t* points, std::size_t beg
 
   std::vector<std::uint32_t> flats;
   std::copy_if(order.begin(), order.end(), std::back_inserter(flats), [&](std::uint32_t i) {
-    return ring.stands_out[i] < static_cast<float>(params.flat_m) && label[i] == kPlain;
+    return ring.stands_out[i] < static_cast<float>(params.flat_m) && label[i] == kPlain &&
+           (ring.role[i] & kMayBeFlat) != 0;
   });
   // A few times as many as are wanted: neighbours of one taken are passed over.
   const std::size_t enough = std::min(flats.size(), static_cast<std::size_t>(12 * params.flat));
@@ -134,14 +139,21 @@ void selectSector(const Ring& ring, const std::uint32_t* points, std::size_t beg
   }
 }
 
+void addSurface(const Ring& ring, const std::uint32_t* points, const std::vector<Label>& label,
+                CurvatureFeatures& out) {
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    if (label[i] == kPlain && (ring.role[i] & kMayBeSurface) != 0) out.less_flat.push_back(points[i]);
+}
+
 CurvatureFeatures featuresOfRing(const Cloud& cloud, const std::uint32_t* points, std::size_t n,
-                                 const Eigen::Vector3f& origin, const CurvatureParams& params) {
+                                 const Eigen::Vector3f& origin, const CurvatureParams& params,
+                                 const std::vector<std::uint8_t>& roles) {
   CurvatureFeatures out;
+  Ring ring = gatherRing(cloud, points, n, origin, roles);
   if (n < 4 * kHalf) {
-    out.less_flat.assign(points, points + n);
+    addSurface(ring, points, std::vector<Label>(n, kPlain), out);
     return out;
   }
-  Ring ring = gatherRing(cloud, points, n, origin);
   markFlaws(ring, params);
   std::vector<Label> label(n, kPlain);
   // Half the neighbourhood's length at a range of 1 m. The ring may have gaps: the usual spacing is the median.
@@ -155,8 +167,7 @@ CurvatureFeatures featuresOfRing(const Cloud& cloud, const std::uint32_t* points
   for (std::size_t s = 0; s < sectors; ++s)
     selectSector(ring, points, kHalf + inner * s / sectors, kHalf + inner * (s + 1) / sectors, half_length, params,
                  label, out);
-  for (std::size_t i = 0; i < n; ++i)
-    if (label[i] == kPlain) out.less_flat.push_back(points[i]);
+  addSurface(ring, points, label, out);
   return out;
 }
 
@@ -167,11 +178,12 @@ void append(const std::vector<std::uint32_t>& part, std::vector<std::uint32_t>& 
 }  // namespace
 
 CurvatureFeatures curvatureFeatures(const Cloud& cloud, const ScanRings& rings, const Eigen::Vector3f& origin,
-                                    const CurvatureParams& params, ThreadPool& threads) {
+                                    const CurvatureParams& params, ThreadPool& threads,
+                                    const std::vector<std::uint8_t>& roles) {
   std::vector<CurvatureFeatures> parts(rings.count());
   threads.forEachChunk(rings.count(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t r = begin; r < end; ++r)
-      if (rings.size(r) > 0) parts[r] = featuresOfRing(cloud, rings.ring(r), rings.size(r), origin, params);
+      if (rings.size(r) > 0) parts[r] = featuresOfRing(cloud, rings.ring(r), rings.size(r), origin, params, roles);
   });
   CurvatureFeatures all;
   for (const CurvatureFeatures& part : parts) {

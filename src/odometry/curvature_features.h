@@ -33,8 +33,13 @@ struct CurvatureFeatures {
   std::vector<std::uint32_t> flat, less_flat;    ///< less_flat: all points that are no edge
 };
 
+/// What a point may become, as bits.
+enum FeatureRole : std::uint8_t { kMayBeEdge = 1, kMayBeFlat = 2, kMayBeSurface = 4, kMayBeAll = 7 };
+
 /// @param origin of the beams, in the frame of the cloud.
+/// @param roles one entry a point; empty: every point may be anything.
 CurvatureFeatures curvatureFeatures(const Cloud& cloud, const ScanRings& rings, const Eigen::Vector3f& origin,
-                                    const CurvatureParams& params, ThreadPool& threads);
+                                    const CurvatureParams& params, ThreadPool& threads,
+                                    const std::vector<std::uint8_t>& roles = {});
 
 }  // namespace scslam

@@ -79,7 +79,7 @@ MatchResult FeatureOdometry::matchFeatures(const SurfacePyramid& planes, const S
     system.points += edges.points;
     return system;
   };
-  return matchBy(both, T_start, first, leverOf(sources.surface), options);
+  return matchBy(both, T_start, first, leverOf(sources.surface.empty() ? sources.edges : sources.surface), options);
 }
 
 Pose FeatureOdometry::closer(const Features& features, const Guess& guess) const {
