@@ -7,6 +7,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +57,9 @@ struct MatchSystem {
   double medianResidual(double gate_m) const;
 };
 
+/// Adds the sums, the counts (except `points`) and the histogram of a part.
+void addSystem(const MatchSystem& part, MatchSystem& total);
+
 struct MatchKernel {
   double width_m = 0.3;    ///< of Geman-McClure
   double gate_m = 1.0;     ///< residuals beyond are no match
@@ -78,7 +83,9 @@ struct MatchOptions {
   double sigma_m = 0.03;
   double degenerate_share = 2e-3;  ///< a direction with less than this share of the information is degenerate
   bool planar = false;             ///< x, y and yaw only
+  std::array<bool, 6> held{};      ///< axes (of the scan's frame) that keep their guess, besides those of `planar`
   Matrix6d guess_information = Matrix6d::Zero();  ///< how far the guess itself is to be believed (tangent, frame scan)
+  std::optional<Pose> T_map_scan_believed;        ///< what guess_information is about; nothing: where the match starts
 };
 
 struct MatchResult {
@@ -108,6 +115,17 @@ struct MatchResult {
 /// An empty source or map: not converged.
 MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                       const MatchOptions& options, ThreadPool& threads);
+
+/// matchScan() with a linearisation of the caller's own (lines, distributions): it fills H, g, the counts and the
+/// histogram of a MatchSystem at a pose.
+/// @param kernel of the first iteration; its width then follows the residuals.
+/// @param lever_m what a radian is worth in metres when directions are compared: leverOf(source).
+using Lineariser = std::function<MatchSystem(const Pose& T_map_scan, const MatchKernel& kernel)>;
+MatchResult matchBy(const Lineariser& linearise_at, const Pose& T_map_scan_start, MatchKernel kernel, double lever_m,
+                    const MatchOptions& options);
+
+/// Root mean square distance of the points from their origin [m], at least 1 mm.
+double leverOf(const Cloud& source);
 
 /// Where to look when the guess may be far off: a grid around it, scored on the coarsest level.
 struct PoseGrid {
