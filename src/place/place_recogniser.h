@@ -13,7 +13,7 @@ using Descriptor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 struct PlaceCandidate {
   KeyframeId match = 0;
-  double distance = 0;   ///< descriptor distance, smaller = more alike
+  double distance = 0;  ///< descriptor distance, smaller = more alike
   /// First guess of the query's base in the match's base: heading, and where the method finds it the shift.
   Pose T_match_query = Pose::Identity();
   double runner_up = 0;  ///< distance of the best candidate at a different place; 0: there was none
@@ -26,9 +26,14 @@ class PlaceRecogniser {
   virtual ~PlaceRecogniser() = default;
   /// @param cloud_base of the keyframe; gravity-levelled inside with the roll and pitch of keyframe.T_odom_base.
   virtual Descriptor describe(const Keyframe& keyframe, const Cloud& cloud_base) const = 0;
-  /// Stores the keyframe (ids in order, from 0) with its descriptor. Poses are read only by pose-based recognisers,
-  /// which return an empty descriptor and ignore the one they are given.
-  virtual void add(const Keyframe& keyframe, const Descriptor& descriptor) = 0;
+  /// False for recognisers that look at poses only: describe() is then not called and add() gets an empty descriptor.
+  virtual bool usesScans() const { return true; }
+  /// Stores the keyframe (ids in order, from 0).
+  /// @param descriptor what describe() gave, perhaps read back from a session; empty: made from the cloud here.
+  /// @param cloud_base the keyframe's cloud as the session keeps it (so that a resumed run gets the same), for what a
+  /// recogniser needs besides its descriptor; empty: it does with the descriptor.
+  virtual void add(const Keyframe& keyframe, const Descriptor& descriptor, const Cloud& cloud_base) = 0;
+  void add(const Keyframe& keyframe, const Descriptor& descriptor) { add(keyframe, descriptor, Cloud()); }
   /// Candidates for keyframe k among the earlier ones that are at least min_travel away along the path, best first.
   virtual std::vector<PlaceCandidate> query(KeyframeId k) const = 0;
   /// The present estimate of all keyframes, before a query: for recognisers that look where the robot is believed to
