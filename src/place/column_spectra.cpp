@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "scslam/core/simd.h"
+#include "scslam/place/float8.h"
 
 namespace scslam {
 namespace {
 
-// Eight floats: one register with AVX2, two with SSE2; the same operations in the same order, hence the same bits.
-using Float8 = float __attribute__((vector_size(32)));
 constexpr std::size_t kMaxGroups = 5;  // 33 frequencies of 64 columns
-
-inline void load(Float8& v, const float* p) { std::memcpy(&v, p, sizeof v); }
-inline void store(float* p, const Float8& v) { std::memcpy(p, &v, sizeof v); }
 
 SCSLAM_KERNEL void forward(const float* image, const float* table, std::size_t rows, std::size_t columns,
                            std::size_t groups, float* spectrum) {
@@ -24,12 +19,12 @@ SCSLAM_KERNEL void forward(const float* image, const float* table, std::size_t r
       for (std::size_t j = 0; j < columns; ++j) {
         const float value = image[row * columns + j];
         const float* angle = table + (group * columns + j) * 16;
-        load(c, angle), load(s, angle + 8);
+        load8(c, angle), load8(s, angle + 8);
         re += value * c;
         im -= value * s;
       }
       float* out = spectrum + (group * rows + row) * 16;
-      store(out, re), store(out + 8, im);
+      store8(out, re), store8(out + 8, im);
     }
 }
 
@@ -42,21 +37,21 @@ SCSLAM_KERNEL void crossCorrelate(const float* a, const float* b, const float* t
     Float8 re = {}, im = {}, ar, ai, br, bi;
     for (std::size_t row = 0; row < rows; ++row) {
       const std::size_t at = (group * rows + row) * 16;
-      load(ar, a + at), load(ai, a + at + 8), load(br, b + at), load(bi, b + at + 8);
+      load8(ar, a + at), load8(ai, a + at + 8), load8(br, b + at), load8(bi, b + at + 8);
       re += ar * br + ai * bi;
       im += ar * bi - ai * br;
     }
-    store(cross[0] + group * 8, re), store(cross[1] + group * 8, im);
+    store8(cross[0] + group * 8, re), store8(cross[1] + group * 8, im);
   }
   for (std::size_t group = 0; group < groups; ++group) {
     Float8 e = {}, o = {}, c, s;
     for (std::size_t f = 0; f < frequencies; ++f) {
       const float* angle = table + (group * frequencies + f) * 16;
-      load(c, angle), load(s, angle + 8);
+      load8(c, angle), load8(s, angle + 8);
       e += cross[0][f] * c;
       o += cross[1][f] * s;
     }
-    store(even + group * 8, e), store(odd + group * 8, o);
+    store8(even + group * 8, e), store8(odd + group * 8, o);
   }
 }
 

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "scslam/place/float8.h"
+
 namespace scslam {
 
 class ColumnSpectra {
@@ -26,7 +28,6 @@ class ColumnSpectra {
   void correlate(const float* a, const float* b, float (&similarity)[kMaxColumns]) const;
 
  private:
-  static constexpr std::size_t kLanes = 8;
   std::size_t rows_, columns_, frequencies_, groups_;  ///< groups of kLanes frequencies
   /// forward_[group][column][cos | sin][lane]; inverse_[group of shifts][frequency][cos | sin][lane], weighted.
   std::vector<float> forward_, inverse_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scslam/core/simd.h"
+#include "scslam/place/float8.h"
 
 namespace scslam {
 namespace {
@@ -14,27 +15,35 @@ struct PolarScale {
   std::int32_t rings, sectors, outside;
 };
 
-/// Bin of every point, `outside` where it has none (NaN included). The arc tangent is a polynomial, exact to 1e-5 rad.
+/// Bin of every point, `outside` where it has none (NaN included). Arc tangent by a polynomial, exact to 1e-5 rad;
+/// square root by Newton's iteration.
 SCSLAM_KERNEL void polarBins(const UprightBlock& b, const PolarScale& s, Bins& bins) {
   constexpr auto kPi = static_cast<float>(M_PI);
-  for (std::size_t i = 0; i < UprightBlock::kSize; ++i) {
-    const float x = b.x[i], y = b.y[i];
-    const float ax = x < 0 ? -x : x, ay = y < 0 ? -y : y;
-    const float larger = ax > ay ? ax : ay, smaller = ax > ay ? ay : ax;
-    const float r2 = x * x + y * y;
-    const float t = smaller / larger, t2 = t * t;
-    float a =
-        t * (0.99997726f +
-             t2 * (-0.33262347f + t2 * (0.19354346f + t2 * (-0.11643287f + t2 * (0.05265332f - t2 * 0.01172120f)))));
+  const Float8 zero = {};
+  for (std::size_t i = 0; i < UprightBlock::kSize; i += kLanes) {
+    Float8 x, y;
+    load8(x, b.x + i), load8(y, b.y + i);
+    const Float8 ax = x < zero ? -x : x, ay = y < zero ? -y : y;
+    const Float8 t = (ax > ay ? ay : ax) / (ax > ay ? ax : ay), t2 = t * t;
+    Float8 a = 0.05265332f - t2 * 0.01172120f;
+    a = t * (0.99997726f + t2 * (-0.33262347f + t2 * (0.19354346f + t2 * (-0.11643287f + t2 * a))));
     a = ay > ax ? 0.5f * kPi - a : a;
-    a = x < 0 ? kPi - a : a;
-    a = y < 0 ? 2 * kPi - a : a;
-    const bool inside = (r2 > 1e-6f) & (r2 < s.max_radius2);
-    const float ring_at = inside ? std::sqrt(r2) * s.per_metre : 0.0f, sector_at = inside ? a * s.per_radian : 0.0f;
-    auto ring = static_cast<std::int32_t>(ring_at), sector = static_cast<std::int32_t>(sector_at);
-    ring = ring < s.rings ? ring : s.rings - 1;
-    sector = sector < s.sectors ? sector : s.sectors - 1;
-    bins[i] = inside ? ring * s.sectors + sector : s.outside;
+    a = x < zero ? kPi - a : a;
+    a = y < zero ? 2 * kPi - a : a;
+    const Float8 r2 = x * x + y * y;
+    const Int8 inside = (r2 > 1e-6f) & (r2 < s.max_radius2);
+    Int8 bits;
+    std::memcpy(&bits, &r2, sizeof bits);
+    bits = 0x5f3759df - (bits >> 1);  // reciprocal square root to 3 %, then three times twice the digits
+    Float8 q;
+    std::memcpy(&q, &bits, sizeof q);
+    for (int iteration = 0; iteration < 3; ++iteration) q = q * (1.5f - 0.5f * r2 * q * q);
+    Int8 ring = __builtin_convertvector(inside ? r2 * q * s.per_metre : zero, Int8);
+    Int8 sector = __builtin_convertvector(inside ? a * s.per_radian : zero, Int8);
+    ring = ring < s.rings ? ring : ring * 0 + (s.rings - 1);
+    sector = sector < s.sectors ? sector : sector * 0 + (s.sectors - 1);
+    const Int8 bin = inside ? ring * s.sectors + sector : ring * 0 + s.outside;
+    std::memcpy(bins + i, &bin, sizeof bin);
   }
 }
 
@@ -44,14 +53,18 @@ struct CartScale {
 };
 
 SCSLAM_KERNEL void cartBins(const UprightBlock& b, const CartScale& s, Bins& bins) {
-  for (std::size_t i = 0; i < UprightBlock::kSize; ++i) {
-    const float x = b.x[i] + s.reach_x, y = b.y[i] + s.reach_y;
-    const bool inside = (x >= 0) & (x < 2 * s.reach_x) & (y >= 0) & (y < 2 * s.reach_y);
-    const float row_at = inside ? x * s.per_metre_x : 0.0f, column_at = inside ? y * s.per_metre_y : 0.0f;
-    auto row = static_cast<std::int32_t>(row_at), column = static_cast<std::int32_t>(column_at);
-    row = row < s.rows ? row : s.rows - 1;
-    column = column < s.columns ? column : s.columns - 1;
-    bins[i] = inside ? row * s.columns + column : s.outside;
+  const Float8 zero = {};
+  for (std::size_t i = 0; i < UprightBlock::kSize; i += kLanes) {
+    Float8 x, y;
+    load8(x, b.x + i), load8(y, b.y + i);
+    x += s.reach_x, y += s.reach_y;
+    const Int8 inside = (x >= zero) & (x < 2 * s.reach_x) & (y >= zero) & (y < 2 * s.reach_y);
+    Int8 row = __builtin_convertvector(inside ? x * s.per_metre_x : zero, Int8);
+    Int8 column = __builtin_convertvector(inside ? y * s.per_metre_y : zero, Int8);
+    row = row < s.rows ? row : row * 0 + (s.rows - 1);
+    column = column < s.columns ? column : column * 0 + (s.columns - 1);
+    const Int8 bin = inside ? row * s.columns + column : row * 0 + s.outside;
+    std::memcpy(bins + i, &bin, sizeof bin);
   }
 }
 

@@ -1,14 +1,12 @@
 #include "scslam/place/key_index.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "scslam/core/simd.h"
+#include "scslam/place/float8.h"
 
 namespace scslam {
 namespace {
-
-using Float8 = float __attribute__((vector_size(32)));
 
 /// Squared distances of `key` to the first n keys of a block (n rounded up to 32).
 SCSLAM_KERNEL void distances(const float* key, const float* block, std::size_t dimensions, std::size_t stride,
@@ -19,7 +17,7 @@ SCSLAM_KERNEL void distances(const float* key, const float* block, std::size_t d
       const float* row = block + d * stride + i;
       for (std::size_t lane = 0; lane < 4; ++lane) {
         Float8 value;
-        std::memcpy(&value, row + 8 * lane, sizeof value);
+        load8(value, row + kLanes * lane);
         value -= key[d];
         sum[lane] += value * value;
       }

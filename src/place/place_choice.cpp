@@ -52,13 +52,14 @@ std::vector<PlaceCandidate> VisitedPlaces::choose(std::vector<PlaceCandidate> ra
   return best;
 }
 
-Pose VisitedPlaces::guess(std::size_t match, KeyframeId query, double yaw, const Eigen::Vector3d& t_match) const {
-  const Eigen::Matrix3d R_match_level = levelling(keyframes_[match].T_odom_base).transpose();
-  Pose T = Pose::Identity();
-  T.linear() = R_match_level * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
-               levelling(keyframes_[query].T_odom_base);
-  T.translation() = R_match_level * t_match;
-  return T;
+std::vector<PlaceCandidate> VisitedPlaces::inBaseFrames(std::vector<PlaceCandidate> candidates, KeyframeId k) const {
+  Pose T_level_query = Pose::Identity(), T_match_level = Pose::Identity();
+  T_level_query.linear() = levelling(keyframes_[k].T_odom_base);
+  for (PlaceCandidate& candidate : candidates) {
+    T_match_level.linear() = levelling(keyframes_[candidate.match].T_odom_base).transpose();
+    candidate.T_match_query = T_match_level * candidate.T_match_query * T_level_query;
+  }
+  return candidates;
 }
 
 }  // namespace scslam

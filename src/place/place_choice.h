@@ -1,5 +1,6 @@
 // What the recognisers share: the keyframes so far, which of them may be a loop, and how a ranking becomes candidates.
 #pragma once
+#include <deque>
 #include <vector>
 
 #include "scslam/place/place_recogniser.h"
@@ -27,15 +28,14 @@ class VisitedPlaces {
   /// The best of the ranking, one for each place, with their runners-up.
   /// @param ranking in any order; match, distance and T_match_query filled.
   std::vector<PlaceCandidate> choose(std::vector<PlaceCandidate> ranking) const;
-  /// The guess for two places that stand `yaw` (query in match) and, across the match's heading, `t_match` apart in the
-  /// upright frames.
-  Pose guess(std::size_t match, KeyframeId query, double yaw, const Eigen::Vector3d& t_match) const;
+  /// Candidates whose guesses are between the upright frames of match and query k: now between their base frames.
+  std::vector<PlaceCandidate> inBaseFrames(std::vector<PlaceCandidate> candidates, KeyframeId k) const;
 
  private:
   bool samePlace(std::size_t a, std::size_t b) const;
 
   PlaceChoiceParams params_;
-  std::vector<Keyframe> keyframes_;
+  std::deque<Keyframe> keyframes_;  ///< growing moves nothing
 };
 
 }  // namespace scslam

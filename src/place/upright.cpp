@@ -6,20 +6,22 @@
 
 #include "scslam/core/gravity.h"
 #include "scslam/core/simd.h"
+#include "scslam/place/float8.h"
 
 namespace scslam {
 namespace {
 
-constexpr std::size_t kGroundPoints = 16000;
+constexpr std::size_t kGroundPoints = 8000;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// A constant trip count lets the compiler vectorise without a remainder.
-SCSLAM_KERNEL void turn(const float* x, const float* y, const float* z, const float* R, float left, float ground,
+SCSLAM_KERNEL void turn(const float* px, const float* py, const float* pz, const float* R, float left, float ground,
                         UprightBlock& b) {
-  for (std::size_t i = 0; i < UprightBlock::kSize; ++i) {
-    b.x[i] = R[0] * x[i] + R[1] * y[i] + R[2] * z[i];
-    b.y[i] = R[3] * x[i] + R[4] * y[i] + R[5] * z[i] - left;
-    b.height[i] = R[6] * x[i] + R[7] * y[i] + R[8] * z[i] - ground;
+  for (std::size_t i = 0; i < UprightBlock::kSize; i += kLanes) {
+    Float8 x, y, z;
+    load8(x, px + i), load8(y, py + i), load8(z, pz + i);
+    store8(b.x + i, R[0] * x + R[1] * y + R[2] * z);
+    store8(b.y + i, R[3] * x + R[4] * y + R[5] * z - left);
+    store8(b.height + i, R[6] * x + R[7] * y + R[8] * z - ground);
   }
 }
 

@@ -14,7 +14,7 @@ struct Upright {
   bool planar = false;  ///< 2-D data: every point counts as 1 m high
 };
 
-/// Roll and pitch from keyframe.T_odom_base; the ground from the cloud (of at most about 16 000 of its points).
+/// Roll and pitch from keyframe.T_odom_base; the ground from the cloud (of at most about 8 000 of its points).
 Upright uprightOf(const Keyframe& keyframe, const Cloud& cloud_base);
 
 /// Points of a block in the upright frame; height above the ground. Points beyond `count` are NaN.

@@ -5,6 +5,7 @@
 // found here, with the offset as the registration's start. It stands for one driving direction; the copy flipped in
 // both axes finds the street driven the other way.
 #include <cmath>
+#include <deque>
 
 #include "scslam/place/context_image.h"
 #include "scslam/place/context_index.h"
@@ -56,10 +57,10 @@ class CartContext : public PlaceRecogniser {
     const std::size_t eligible = places_.eligibleBefore(k);
     if (eligible == 0) return {};
     std::vector<PlaceCandidate> ranking;
-    rank(k, index_.place(k), 0, eligible, ranking);
+    rank(index_.place(k), 0, eligible, ranking);
     const Descriptor flipped = unpack(images_[k], params_.grid.rows, params_.grid.columns).reverse();
-    rank(k, index_.probe(flipped), M_PI, eligible, ranking);
-    return places_.choose(std::move(ranking));
+    rank(index_.probe(flipped), M_PI, eligible, ranking);
+    return places_.inBaseFrames(places_.choose(std::move(ranking)), k);
   }
 
  private:
@@ -77,20 +78,19 @@ class CartContext : public PlaceRecogniser {
             .min_common = params.min_common};
   }
 
-  void rank(KeyframeId k, const ContextProbe& probe, double yaw, std::size_t eligible,
-            std::vector<PlaceCandidate>& ranking) const {
+  void rank(const ContextProbe& probe, double yaw, std::size_t eligible, std::vector<PlaceCandidate>& ranking) const {
     std::vector<ContextIndex::Match> matches;
     index_.search(probe, eligible, static_cast<std::size_t>(params_.candidates_by_key), matches);
     const double column_m = 2 * params_.grid.reach_aside_m / params_.grid.columns;
     for (const auto& match : matches)
-      ranking.push_back({static_cast<KeyframeId>(match.id), match.distance,
-                         places_.guess(match.id, k, yaw, {0, match.shift * column_m, 0}), 0});
+      ranking.push_back(
+          {static_cast<KeyframeId>(match.id), match.distance, poseFromYaw(yaw, {0, match.shift * column_m, 0}), 0});
   }
 
   Params params_;
   VisitedPlaces places_;
   ContextIndex index_;
-  std::vector<PackedImage> images_;  ///< to be flipped
+  std::deque<PackedImage> images_;  ///< to be flipped
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 // as well as if it stood some metres to the left and to the right; heading and offset of the best copy are where the
 // registration starts.
 #include <cmath>
+#include <deque>
 
 #include "scslam/place/context_image.h"
 #include "scslam/place/context_index.h"
@@ -70,11 +71,11 @@ class ScanContext : public PlaceRecogniser {
     const std::size_t eligible = places_.eligibleBefore(k);
     if (eligible == 0) return {};
     std::vector<PlaceCandidate> ranking;
-    rank(k, index_.place(k), 0, eligible, ranking);
+    rank(index_.place(k), 0, eligible, ranking);
     for (std::size_t i = 0; i < copies_[k].size(); ++i)
-      rank(k, index_.probe(unpack(copies_[k][i], params_.grid.rings, params_.grid.sectors)), shifts_left_m_[i],
-           eligible, ranking);
-    return places_.choose(std::move(ranking));
+      rank(index_.probe(unpack(copies_[k][i], params_.grid.rings, params_.grid.sectors)), shifts_left_m_[i], eligible,
+           ranking);
+    return places_.inBaseFrames(places_.choose(std::move(ranking)), k);
   }
 
  private:
@@ -92,15 +93,15 @@ class ScanContext : public PlaceRecogniser {
     return copies;
   }
 
-  /// Compares a copy of place k, seen from left_m to its left, with the eligible places.
-  void rank(KeyframeId k, const ContextProbe& probe, double left_m, std::size_t eligible,
+  /// Compares a copy of the query, seen from left_m to its left, with the eligible places.
+  void rank(const ContextProbe& probe, double left_m, std::size_t eligible,
             std::vector<PlaceCandidate>& ranking) const {
     std::vector<ContextIndex::Match> matches;
     index_.search(probe, eligible, static_cast<std::size_t>(params_.candidates_by_key), matches);
     for (const auto& match : matches) {
       const double yaw = match.shift * 2 * M_PI / params_.grid.sectors;
       const Eigen::Vector3d t(left_m * std::sin(yaw), -left_m * std::cos(yaw), 0);  // base, seen from the copy, turned
-      ranking.push_back({static_cast<KeyframeId>(match.id), match.distance, places_.guess(match.id, k, yaw, t), 0});
+      ranking.push_back({static_cast<KeyframeId>(match.id), match.distance, poseFromYaw(yaw, t), 0});
     }
   }
 
@@ -108,7 +109,7 @@ class ScanContext : public PlaceRecogniser {
   VisitedPlaces places_;
   ContextIndex index_;
   std::vector<double> shifts_left_m_;
-  std::vector<std::vector<PackedImage>> copies_;  ///< of each place, one per shift
+  std::deque<std::vector<PackedImage>> copies_;  ///< of each place, one per shift
 };
 
 }  // namespace
