@@ -55,10 +55,8 @@ Descriptor LoopCloser::describe(const Keyframe& keyframe, const Cloud& cloud_bas
 void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, CloudStore& clouds) {
   for (const auto& recogniser : recognisers_) {
     const bool first = recogniser == recognisers_.front();
-    if (first || !recogniser->usesScans())
-      recogniser->add(keyframe, first ? descriptor : Descriptor());
-    else
-      recogniser->add(keyframe, recogniser->describe(keyframe, *clouds.get(keyframe.id)));
+    const auto cloud = recogniser->usesScans() ? clouds.get(keyframe.id) : std::make_shared<const Cloud>();
+    recogniser->add(keyframe, first ? descriptor : Descriptor(), *cloud);
   }
 }
 
