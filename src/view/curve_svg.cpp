@@ -13,7 +13,7 @@ constexpr std::array<const char*, 7> kColours = {"#0072b2", "#d55e00", "#009e73"
                                                  "#e69f00", "#56b4e9", "#000000"};
 const char* colour(std::size_t variant) { return kColours[variant % kColours.size()]; }
 
-constexpr PageRect kCurves{64, 80, 400, 330}, kHeadings{530, 80, 350, 140}, kOffsets{530, 270, 350, 140};
+constexpr PageRect kCurves{64, 80, 400, 330}, kHeadings{530, 80, 350, 140}, kOffsets{530, 286, 350, 124};
 constexpr double kLegendTop = 482, kLegendLine = 22;
 
 Bounds unitBounds(double right) {
@@ -138,8 +138,8 @@ std::string placesSvg(const PlaceReport& report) {
       "text.label{{font-size:11.5px;fill:#57606a}}.label text{{font-size:11.5px;fill:#57606a}}</style>\n"
       "<rect width='900' height='{0:.0f}' fill='white'/>\n"
       "<text x='64' y='30' class='title'>{1}</text>\n<text x='64' y='50' fill='#57606a'>{2} keyframes from {3}; same "
-      "place: within {4:g} m (right: {5:g} m), {6:g} m of way between. Full bars: at 100 % precision; pale: "
-      "recall@1</text>\n",
+      "place: within {4:g} m, {6:g} m of way between</text>\n"
+      "<text x='530' y='50' fill='#57606a'>pale: recall@1, full: at precision 1 (within {5:g} m)</text>\n",
       height, escapedXml(report.input), report.keyframes, escapedXml(report.keyframes_from),
       report.options.revisit_radius_m, std::max(report.options.split_radius_m, report.options.revisit_radius_m),
       report.options.min_travel_m);
