@@ -21,7 +21,8 @@ Json summaryJson(const PrecisionRecall& f) {
           {"recall_at_1", orNull(f.recall_at_1)},
           {"recall_at_5", orNull(f.recall_at_5)},
           {"recall_at_full_precision", orNull(f.recall_full)},
-          {"full_precision_threshold", orNull(f.full_precision_at)}};
+          {"full_precision_threshold", orNull(f.full_precision_at)},
+          {"nearest_false", orNull(f.nearest_false)}};
 }
 
 Json variantJson(const PlaceFigures& v) {
@@ -76,14 +77,14 @@ std::string placeTable(const PlaceReport& report) {
       "{}: {} keyframes from {}, {} with truth; {} revisit an earlier place (within {:g} m, {:g} m of way between)\n",
       report.input, report.keyframes, report.keyframes_from, report.with_truth, revisits, o.revisit_radius_m,
       o.min_travel_m);
-  text += fmt::format("{:<{}}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>14}{:>12}{:>9}\n", "", width, "AUC", "F1max", "at",
-                      "R@1", "R@5", "R@P=1", "below", "describe [ms]", "query [ms]", "[bytes]");
+  text += fmt::format("{:<{}}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>11}{:>14}{:>12}{:>9}\n", "", width, "AUC", "F1max",
+                      "at", "R@1", "R@5", "R@P=1", "below", "false at", "describe [ms]", "query [ms]", "[bytes]");
   for (const PlaceFigures& v : report.variants) {
     const PrecisionRecall& f = v.figures;
-    text += fmt::format("{:<{}}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>14.3f}{:>12.3f}{:>9}\n", v.variant.label, width,
-                        figure(f.auc), figure(f.f1_max), figure(f.f1_threshold), figure(f.recall_at_1),
-                        figure(f.recall_at_5), figure(f.recall_full), figure(f.full_precision_at), v.describe_ms,
-                        v.query_ms, v.descriptor_bytes);
+    text += fmt::format("{:<{}}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>11}{:>14.3f}{:>12.3f}{:>9}\n", v.variant.label,
+                        width, figure(f.auc), figure(f.f1_max), figure(f.f1_threshold), figure(f.recall_at_1),
+                        figure(f.recall_at_5), figure(f.recall_full), figure(f.full_precision_at),
+                        figure(f.nearest_false), v.describe_ms, v.query_ms, v.descriptor_bytes);
   }
   text += fmt::format(
       "\nrecall@1 / recall at 100 % precision (revisits) by heading difference and lateral offset to the nearest\n"

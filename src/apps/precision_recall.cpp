@@ -46,6 +46,8 @@ PrecisionRecall precisionRecall(const std::vector<JudgedQuery>& queries) {
   result.queries = queries.size();
   std::size_t first = 0, five = 0;
   for (const JudgedQuery& q : queries) {
+    const bool wrong = q.distance && !q.first_true;
+    if (wrong && (!result.nearest_false || *q.distance < *result.nearest_false)) result.nearest_false = q.distance;
     result.revisits += q.revisit;
     first += q.revisit && q.first_true;
     five += q.revisit && q.five_true;

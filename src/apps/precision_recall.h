@@ -31,6 +31,7 @@ struct PrecisionRecall {
   std::optional<double> recall_at_5;        ///< … one of the five best
   std::optional<double> recall_full;        ///< largest recall while precision is still exactly 1; 0: never
   std::optional<double> full_precision_at;  ///< the threshold that gives it
+  std::optional<double> nearest_false;  ///< smallest distance of a best candidate that is wrong; also without revisits
 };
 
 /// The area is summed in steps, not by trapezes, which promise what no threshold reaches (Davis and Goadrich, "The

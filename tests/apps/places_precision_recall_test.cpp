@@ -29,6 +29,7 @@ TEST(PrecisionRecall, FollowsTheThresholdStepByStep) {
   EXPECT_THAT(f.recall_at_1, Optional(DoubleEq(0.75)));
   EXPECT_THAT(f.recall_full, Optional(DoubleEq(0.5)));
   EXPECT_THAT(f.full_precision_at, Optional(DoubleEq(0.2)));
+  EXPECT_THAT(f.nearest_false, Optional(DoubleEq(0.3)));
 }
 
 TEST(PrecisionRecall, EqualDistancesAreTakenTogether) {
@@ -61,6 +62,7 @@ TEST(PrecisionRecall, AFalseBestOneLeavesNoRecallAtFullPrecision) {
 TEST(PrecisionRecall, NothingToCountGivesNoFigures) {
   for (const auto& queries : {std::vector<JudgedQuery>{}, {noRevisit(0.1), noRevisit(0.2)}}) {
     const auto f = precisionRecall(queries);
+    EXPECT_EQ(f.nearest_false.has_value(), !queries.empty());
     EXPECT_FALSE(f.auc || f.f1_max || f.recall_at_1 || f.recall_at_5 || f.recall_full);
   }
 }
