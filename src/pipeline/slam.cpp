@@ -10,6 +10,7 @@ Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter
     : params_(params),
       context_(context),
       session_(session),
+      radar_points_(params.radar, context),
       odometry_(params.odometry.frontend.create(context)),
       selector_(params.keyframe),
       loops_(params, context),
@@ -31,6 +32,7 @@ void Slam::process(Scan scan) {
   const auto start = std::chrono::steady_clock::now();
   {
     const StageTimer timer(times_, Stage::kPreprocess);
+    if (scan.radar) scan.cloud = radar_points_(*scan.radar);
     preprocess(scan, params_.preprocess);
   }
   OdometryStep step;

@@ -49,6 +49,7 @@ class Slam {
   SlamParams params_;
   PluginContext context_;
   SessionWriter& session_;
+  RadarPoints radar_points_;
   std::unique_ptr<Odometry> odometry_;
   KeyframeSelector selector_;
   LoopCloser loops_;

@@ -1,0 +1,88 @@
+#include "scslam/sensor/radar_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scslam {
+namespace {
+
+constexpr double kTurn = 2 * M_PI;
+constexpr double kLongestGap = 60;  // [s]
+
+/// Clockwise from one angle to the next: 0 … 2 pi.
+double advance(double from, double to) {
+  const double turns = (to - from) / kTurn;
+  return (turns - std::floor(turns)) * kTurn;
+}
+
+/// Measured azimuths that time and encoder agree on.
+std::vector<std::size_t> believable(const RadarScan& sweep) {
+  std::vector<std::size_t> rows;
+  const double least = 0.1 * kTurn / static_cast<double>(sweep.azimuths);  // a tenth of the nominal step
+  for (std::size_t i = 0; i < sweep.azimuths; ++i) {
+    if (sweep.valid[i] == 0 || !std::isfinite(sweep.angles[i])) continue;
+    if (!rows.empty()) {
+      const double seconds = secondsBetween(sweep.stamps[rows.back()], sweep.stamps[i]);
+      const double step = advance(sweep.angles[rows.back()], sweep.angles[i]);
+      if (seconds < 0 || seconds > kLongestGap || step < least || step > kTurn - least) continue;
+    }
+    rows.push_back(i);
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::size_t mendSweep(RadarScan& sweep) {
+  if (!sweep.consistent() || sweep.azimuths == 0) return sweep.azimuths;
+  std::vector<std::size_t> rows = believable(sweep);
+  if (rows.size() < 2) {  // one azimuth is no sweep; its stamp is still the best there is
+    std::fill(sweep.valid.begin(), sweep.valid.end(), 0);
+    return sweep.azimuths;
+  }
+  std::vector<std::uint8_t> valid(sweep.azimuths, 0);
+  for (const std::size_t i : rows) valid[i] = sweep.valid[i];
+  // Between two measured azimuths evenly; before the first and after the last at the pace of the sweep.
+  const std::size_t first = rows.front(), last = rows.back();
+  const auto count = static_cast<double>(last - first);
+  const double pace = secondsBetween(sweep.stamps[first], sweep.stamps[last]) / count;
+  const auto place = [&sweep](std::size_t i, std::size_t from, double seconds, double angle) {
+    sweep.stamps[i] =
+        sweep.stamps[from] + std::chrono::duration_cast<Stamp::duration>(std::chrono::duration<double>(seconds));
+    sweep.angles[i] = advance(0, sweep.angles[from] + angle);
+  };
+  const double nominal = kTurn / static_cast<double>(sweep.azimuths);
+  for (std::size_t i = 0; i < first; ++i) {
+    const auto steps = static_cast<double>(first - i);
+    place(i, first, -steps * pace, -steps * nominal);
+  }
+  for (std::size_t i = last + 1; i < sweep.azimuths; ++i) {
+    const auto steps = static_cast<double>(i - last);
+    place(i, last, steps * pace, steps * nominal);
+  }
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const std::size_t a = rows[k - 1], b = rows[k];
+    const double seconds = secondsBetween(sweep.stamps[a], sweep.stamps[b]),
+                 angle = advance(sweep.angles[a], sweep.angles[b]);
+    for (std::size_t i = a + 1; i < b; ++i) {
+      const double part = static_cast<double>(i - a) / static_cast<double>(b - a);
+      place(i, a, part * seconds, part * angle);
+    }
+  }
+  sweep.valid = std::move(valid);
+  return sweep.azimuths - rows.size();
+}
+
+Scan scanOfSweep(RadarScan sweep) {
+  mendSweep(sweep);
+  Scan scan;
+  if (!sweep.stamps.empty()) scan.stamp = sweep.stamps.front();
+  scan.T_base_sensor = sweep.T_base_sensor;
+  scan.planar = true;
+  scan.label = sweep.label;
+  scan.radar = std::make_shared<const RadarScan>(std::move(sweep));
+  return scan;
+}
+
+}  // namespace scslam
