@@ -32,7 +32,7 @@ void Slam::process(Scan scan) {
   const auto start = std::chrono::steady_clock::now();
   {
     const StageTimer timer(times_, Stage::kPreprocess);
-    if (scan.radar) scan.cloud = radar_points_(*scan.radar);
+    if (scan.radar) takePoints(scan);
     preprocess(scan, params_.preprocess);
   }
   OdometryStep step;
@@ -61,6 +61,12 @@ bool Slam::inOrder(const Scan& scan) {
   }
   last_stamp_ = scan.stamp;
   return true;
+}
+
+void Slam::takePoints(Scan& sweep) {
+  std::string note;
+  sweep.cloud = radar_points_(*sweep.radar, note);
+  if (!note.empty()) say(fmt::format("scan {}: {}", sweep.index, note));
 }
 
 void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {

@@ -41,6 +41,7 @@ class Slam {
 
  private:
   bool inOrder(const Scan& scan);
+  void takePoints(Scan& sweep);
   void addKeyframe(const Scan& scan, const OdometryStep& step);
   void closeLoops();
   void optimise();

@@ -16,6 +16,10 @@ double advance(double from, double to) {
   return (turns - std::floor(turns)) * kTurn;
 }
 
+Stamp later(Stamp stamp, double seconds) {
+  return stamp + std::chrono::duration_cast<Stamp::duration>(std::chrono::duration<double>(seconds));
+}
+
 /// Measured azimuths that time and encoder agree on.
 std::vector<std::size_t> believable(const RadarScan& sweep) {
   std::vector<std::size_t> rows;
@@ -74,8 +78,31 @@ std::size_t mendSweep(RadarScan& sweep) {
   return sweep.azimuths - rows.size();
 }
 
+void evenStamps(RadarScan& sweep) {
+  if (!sweep.consistent()) return;
+  double n = 0, x = 0, xx = 0, t = 0, xt = 0;
+  for (std::size_t i = 0; i < sweep.azimuths; ++i) {
+    if (sweep.valid[i] == 0) continue;
+    const auto row = static_cast<double>(i);
+    const double seconds = secondsBetween(sweep.stamps.front(), sweep.stamps[i]);
+    n += 1, x += row, xx += row * row, t += seconds, xt += row * seconds;
+  }
+  const double determinant = n * xx - x * x;
+  if (!(determinant > 0)) return;
+  const double pace = (n * xt - x * t) / determinant, first = (t - pace * x) / n;
+  const double most = 0.1 * pace * static_cast<double>(sweep.azimuths);
+  std::vector<Stamp> even;
+  for (std::size_t i = 0; i < sweep.azimuths; ++i) {
+    const double seconds = first + pace * static_cast<double>(i);
+    if (std::abs(seconds - secondsBetween(sweep.stamps.front(), sweep.stamps[i])) > most) return;
+    even.push_back(later(sweep.stamps.front(), seconds));
+  }
+  sweep.stamps = std::move(even);
+}
+
 Scan scanOfSweep(RadarScan sweep) {
   mendSweep(sweep);
+  evenStamps(sweep);
   Scan scan;
   if (!sweep.stamps.empty()) scan.stamp = sweep.stamps.front();
   scan.T_base_sensor = sweep.T_base_sensor;

@@ -217,9 +217,12 @@ Cloud cloudFrom(const CObservationRotatingScan& scan, const std::optional<Sensor
 
 }  // namespace
 
+bool isRadarScan(const mrpt::obs::CObservation& observation) {
+  return dynamic_cast<const CObservationRadar*>(&observation) != nullptr;
+}
+
 bool isPlanarScan(const mrpt::obs::CObservation& observation) {
-  return dynamic_cast<const CObservation2DRangeScan*>(&observation) != nullptr ||
-         dynamic_cast<const CObservationRadar*>(&observation) != nullptr;
+  return dynamic_cast<const CObservation2DRangeScan*>(&observation) != nullptr || isRadarScan(observation);
 }
 
 bool isScan(const mrpt::obs::CObservation& observation, const std::optional<SensorModel>& sensor) {
@@ -237,7 +240,11 @@ bool isScan(const mrpt::obs::CObservation& observation, const std::optional<Sens
 Scan scanFrom(mrpt::obs::CObservation& observation, const std::optional<SensorModel>& sensor,
               const std::filesystem::path& rawlog) {
   Scan scan;
-  if (auto* radar = dynamic_cast<CObservationRadar*>(&observation)) scan = scanOfSweep(radar->scan);
+  if (const auto* radar = dynamic_cast<const CObservationRadar*>(&observation)) {
+    RadarScan sweep = radar->scan;
+    if (sensor) applyTable(sensor->radar, sweep);
+    scan = scanOfSweep(std::move(sweep));
+  }
   if (const auto* planar = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
     scan.cloud = cloudFrom(*planar);
     scan.planar = true;
