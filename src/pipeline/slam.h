@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "scslam/pipeline/loop_closer.h"
+#include "scslam/pipeline/loop_ledger.h"
+#include "scslam/pipeline/satellites.h"
 #include "scslam/pipeline/stages.h"
 #include "scslam/session/cloud_store.h"
 #include "scslam/session/session_writer.h"
@@ -36,7 +38,8 @@ class Slam {
 
   const SlamCounts& counts() const { return counts_; }
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  const PoseGraph& graph() const { return graph_; }
+  /// Odometry and the accepted loops.
+  PoseGraph graph() const;
   const StageTimes& times() const { return times_; }
 
  private:
@@ -44,6 +47,7 @@ class Slam {
   void takePoints(Scan& sweep);
   void addKeyframe(const Scan& scan, const OdometryStep& step);
   void closeLoops();
+  void collectFixes(const Scan& scan, const OdometryStep& step);
   void optimise();
   void say(const std::string& line);
 
@@ -54,11 +58,13 @@ class Slam {
   std::unique_ptr<Odometry> odometry_;
   KeyframeSelector selector_;
   LoopCloser loops_;
+  LoopLedger ledger_;
+  Satellites satellites_;
   CloudStore clouds_;  ///< thinned, frame base
   Pose T_base_sensor_;
 
   std::vector<Keyframe> keyframes_;
-  PoseGraph graph_;        ///< nodes = keyframes, T_map_base
+  PoseGraph graph_;        ///< nodes = keyframes, T_map_base; odometry alone
   std::size_t taken_ = 0;  ///< scans taken from the source
   std::optional<Stamp> last_stamp_;
   SlamCounts counts_;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "scslam/core/plugin_choice.h"
+#include "scslam/graph/consistency.h"
 #include "scslam/graph/optimiser.h"
 #include "scslam/keyframe/selector.h"
 #include "scslam/odometry/odometry.h"
@@ -36,8 +37,19 @@ struct RegistrationParams : ParamSetOf<RegistrationParams> {
   void describe(ParamVisitor& visitor) override;
 };
 
+/// How satellite fixes count.
+struct GnssParams : ParamSetOf<GnssParams> {
+  bool enabled = true;
+  int min_fixes = 10, solve_every = 20;
+  double min_spread_m = 10;
+  double floor_m = 0.3, floor_up_m = 0.6;
+  void describe(ParamVisitor& visitor) override;
+};
+
 struct GraphParams : ParamSetOf<GraphParams> {
   OptimiserParams optimiser;
+  ConsistencyParams consistency;
+  GnssParams gnss;
   double odometry_floor_m = 0.01, odometry_floor_deg = 0.05;
   double loop_floor_m = 0.05, loop_floor_deg = 0.2;
   GraphParams() {

@@ -9,7 +9,7 @@ namespace scslam {
 namespace {
 
 constexpr std::string_view kMagic = "SCSLAMJN";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kFrameBytes = 8;  // length and CRC of a record
 
@@ -80,6 +80,7 @@ LoopRecord getLoop(ByteReader& in, std::size_t keyframes) {
   in.get(loop.overlap);
   in.get(loop.odometry_mahalanobis2);
   loop.registered = in.get<std::uint8_t>() != 0;
+  loop.verified = in.get<std::uint8_t>() != 0;
   loop.accepted = in.get<std::uint8_t>() != 0;
   in.get(loop.reason);
   in.get(loop.T_match_query);
@@ -247,6 +248,7 @@ void Journal::append(const LoopRecord& loop) {
   out.put(loop.overlap);
   out.put(loop.odometry_mahalanobis2);
   out.put(std::uint8_t{loop.registered});
+  out.put(std::uint8_t{loop.verified});
   out.put(std::uint8_t{loop.accepted});
   out.put(loop.reason);
   out.put(loop.T_match_query);

@@ -27,6 +27,7 @@ struct LoopRecord {
   double odometry_mahalanobis2 =
       0;  ///< disagreement with odometry's own uncertainty, chi2 with 6 degrees of freedom (3 if planar)
   bool registered = false;  ///< registration was tried (the gates before it passed)
+  bool verified = false;    ///< passed its own gates; whether it is accepted then depends on the other loops
   bool accepted = false;
   std::string reason;                       ///< "accepted" or the gate that refused, with the figure
   Pose T_match_query = Pose::Identity();    ///< measured, when registered
