@@ -13,8 +13,8 @@ struct GreyImage {
 };
 
 /// @param name of the file, for messages.
-/// @throw inputError for what is no whole, 8-bit grey, not interlaced PNG of at most 16384 rows of 65536 columns. Memory
-/// grows with what is there, not with what the file states.
+/// @throw inputError for what is no whole, 8-bit grey, not interlaced PNG of at most 16384 rows of 65536 columns.
+/// Memory grows with what is there, not with what the file states.
 GreyImage decodeGreyPng(std::string_view png, const std::string& name);
 
 /// The bytes of the file; the same picture gives the same bytes.

@@ -11,10 +11,10 @@
 namespace scslam {
 namespace {
 
-constexpr std::size_t kHead = 11;                                 // bytes of a row before its first bin
-constexpr std::size_t kMaxRows = 1 << 14, kMaxColumns = 1 << 16;  // what a file may state
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 28;       // a real one has half a megabyte
-constexpr std::int64_t kMaxMicroseconds = 9'000'000'000'000'000;  // year 2255: nanoseconds still fit 64 bits
+constexpr std::size_t kHead = 11;                                    // bytes of a row before its first bin
+constexpr std::size_t kMaxRows = 1 << 14, kMaxColumns = 1 << 16;     // what a file may state
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 28;          // a real one has half a megabyte
+constexpr std::int64_t kMaxMicroseconds = 9'000'000'000'000'000;     // year 2255: nanoseconds still fit 64 bits
 constexpr std::int64_t kLeastNanoseconds = 100'000'000'000'000'000;  // 1973; as us it would be the year 5138
 constexpr double kRadPerCount = 2 * M_PI / kNavtechEncoderCounts;
 

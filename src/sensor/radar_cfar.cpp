@@ -31,7 +31,8 @@ ReferenceCells CfarWindow::around(std::size_t bin) const {
   const auto atLeastBegin = [&](std::size_t reach) { return bin - std::min(reach, bin - bins_.begin); };
   ReferenceCells cells;
   cells.near_begin = atLeastBegin(guard_ + window_), cells.near_end = atLeastBegin(guard_);
-  cells.far_begin = std::min(bins_.end, bin + 1 + guard_), cells.far_end = std::min(bins_.end, bin + 1 + guard_ + window_);
+  cells.far_begin = std::min(bins_.end, bin + 1 + guard_),
+  cells.far_end = std::min(bins_.end, bin + 1 + guard_ + window_);
   return cells;
 }
 

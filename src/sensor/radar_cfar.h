@@ -28,8 +28,8 @@ struct CfarWindowParams : RadarWindowParams {
   void describeCfar(ParamVisitor& v);
 };
 
-/// The reference cells of one row's bins: [near_begin, near_end) before, [far_begin, far_end) behind; cut at the ends of
-/// what is looked at.
+/// The reference cells of one row's bins: [near_begin, near_end) before, [far_begin, far_end) behind; cut at the ends
+/// of what is looked at.
 struct ReferenceCells {
   std::size_t near_begin = 0, near_end = 0, far_begin = 0, far_end = 0;
   std::size_t count() const { return near_end - near_begin + far_end - far_begin; }

@@ -113,14 +113,17 @@ void markSpeckle(const ByAzimuth& rows, std::size_t azimuths, const RadarFilterP
 
 void RadarFilterParams::describe(ParamVisitor& v) {
   v.field("enabled", enabled, "remove what is not there");
-  v.field("streak_rise", streak_rise, "an azimuth whose median is so far above the median one's has a streak [grey levels]", 0,
-          255);
+  v.field("streak_rise", streak_rise,
+          "an azimuth whose median is so far above the median one's has a streak [grey levels]", 0, 255);
   v.field("streak_contrast", streak_contrast, "what must stand out of a streak [grey levels]", 0, 255);
   v.field("most_median", most_median, "an azimuth with a higher median shows nothing [grey levels]", 1, 255);
-  v.field("multipath_order", multipath_order, "ghosts are looked for up to this multiple of a range; 1: not at all", 1, 10);
-  v.field("multipath_drop", multipath_drop, "a ghost is so much weaker than what it is a ghost of [grey levels]", 0, 255);
+  v.field("multipath_order", multipath_order, "ghosts are looked for up to this multiple of a range; 1: not at all", 1,
+          10);
+  v.field("multipath_drop", multipath_drop, "a ghost is so much weaker than what it is a ghost of [grey levels]", 0,
+          255);
   v.field("multipath_tolerance_m", multipath_tolerance_m, "and so near to the multiple [m]", 0, 10);
-  v.field("speckle_neighbours", speckle_neighbours, "of the four azimuths around, so many must show it too; 0: any point stays", 0, 4);
+  v.field("speckle_neighbours", speckle_neighbours,
+          "of the four azimuths around, so many must show it too; 0: any point stays", 0, 4);
   v.field("speckle_range_m", speckle_range_m, "within this range of it [m]", 0.01, 100);
 }
 

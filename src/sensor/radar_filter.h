@@ -12,7 +12,7 @@ struct RadarFilterParams : ParamSetOf<RadarFilterParams> {
   double streak_contrast = 30;  ///< [grey levels]
   double most_median = 128;     ///< [grey levels]
   int multipath_order = 3;
-  double multipath_drop = 20;        ///< [grey levels]
+  double multipath_drop = 20;  ///< [grey levels]
   double multipath_tolerance_m = 0.7;
   int speckle_neighbours = 1;
   double speckle_range_m = 0.6;

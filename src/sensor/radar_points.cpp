@@ -7,6 +7,7 @@
 namespace scslam {
 
 void RadarParams::describe(ParamVisitor& v) {
+  v.field("prefer", prefer, "of a recording with a LiDAR and a radar, take the radar");
   extractor.describe(v, "extractor", "how points are found in the power image");
   v.group("filter", filter, "what is taken from them again");
 }

@@ -10,6 +10,7 @@
 namespace scslam {
 
 struct RadarParams : ParamSetOf<RadarParams> {
+  bool prefer = false;
   PluginChoice<RadarExtractor> extractor{"k_strongest"};
   RadarFilterParams filter;
   void describe(ParamVisitor& visitor) override;

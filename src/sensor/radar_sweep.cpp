@@ -17,7 +17,7 @@ double advance(double from, double to) {
 }
 
 Stamp later(Stamp stamp, double seconds) {
-  return stamp + std::chrono::duration_cast<Stamp::duration>(std::chrono::duration<double>(seconds));
+  return stamp + std::chrono::round<Stamp::duration>(std::chrono::duration<double>(seconds));
 }
 
 /// Measured azimuths that time and encoder agree on.
@@ -36,46 +36,48 @@ std::vector<std::size_t> believable(const RadarScan& sweep) {
   return rows;
 }
 
+/// Stamps and angles of what was not measured: between two measured azimuths evenly, before the first and after the
+/// last at the pace of the sweep.
+class Filler {
+ public:
+  Filler(RadarScan& sweep, const std::vector<std::size_t>& rows) : sweep_(sweep), rows_(rows) {}
+  void fill() {
+    const std::size_t first = rows_.front(), last = rows_.back();
+    const double pace = secondsBetween(sweep_.stamps[first], sweep_.stamps[last]) / static_cast<double>(last - first);
+    const double turn = kTurn / static_cast<double>(sweep_.azimuths);
+    for (std::size_t i = 0; i < first; ++i) place(i, first, pace, turn);
+    for (std::size_t i = last + 1; i < sweep_.azimuths; ++i) place(i, last, pace, turn);
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      const std::size_t a = rows_[k - 1], b = rows_[k];
+      const auto steps = static_cast<double>(b - a);
+      const double seconds = secondsBetween(sweep_.stamps[a], sweep_.stamps[b]) / steps,
+                   angle = advance(sweep_.angles[a], sweep_.angles[b]) / steps;
+      for (std::size_t i = a + 1; i < b; ++i) place(i, a, seconds, angle);
+    }
+  }
+
+ private:
+  void place(std::size_t i, std::size_t from, double seconds_a_row, double angle_a_row) {
+    const double steps = static_cast<double>(i) - static_cast<double>(from);
+    sweep_.stamps[i] = later(sweep_.stamps[from], steps * seconds_a_row);
+    sweep_.angles[i] = advance(0, sweep_.angles[from] + steps * angle_a_row);
+  }
+  RadarScan& sweep_;
+  const std::vector<std::size_t>& rows_;
+};
+
 }  // namespace
 
 std::size_t mendSweep(RadarScan& sweep) {
   if (!sweep.consistent() || sweep.azimuths == 0) return sweep.azimuths;
-  std::vector<std::size_t> rows = believable(sweep);
-  if (rows.size() < 2) {  // one azimuth is no sweep; its stamp is still the best there is
-    std::fill(sweep.valid.begin(), sweep.valid.end(), 0);
-    return sweep.azimuths;
-  }
+  const std::vector<std::size_t> rows = believable(sweep);
   std::vector<std::uint8_t> valid(sweep.azimuths, 0);
-  for (const std::size_t i : rows) valid[i] = sweep.valid[i];
-  // Between two measured azimuths evenly; before the first and after the last at the pace of the sweep.
-  const std::size_t first = rows.front(), last = rows.back();
-  const auto count = static_cast<double>(last - first);
-  const double pace = secondsBetween(sweep.stamps[first], sweep.stamps[last]) / count;
-  const auto place = [&sweep](std::size_t i, std::size_t from, double seconds, double angle) {
-    sweep.stamps[i] =
-        sweep.stamps[from] + std::chrono::duration_cast<Stamp::duration>(std::chrono::duration<double>(seconds));
-    sweep.angles[i] = advance(0, sweep.angles[from] + angle);
-  };
-  const double nominal = kTurn / static_cast<double>(sweep.azimuths);
-  for (std::size_t i = 0; i < first; ++i) {
-    const auto steps = static_cast<double>(first - i);
-    place(i, first, -steps * pace, -steps * nominal);
-  }
-  for (std::size_t i = last + 1; i < sweep.azimuths; ++i) {
-    const auto steps = static_cast<double>(i - last);
-    place(i, last, steps * pace, steps * nominal);
-  }
-  for (std::size_t k = 1; k < rows.size(); ++k) {
-    const std::size_t a = rows[k - 1], b = rows[k];
-    const double seconds = secondsBetween(sweep.stamps[a], sweep.stamps[b]),
-                 angle = advance(sweep.angles[a], sweep.angles[b]);
-    for (std::size_t i = a + 1; i < b; ++i) {
-      const double part = static_cast<double>(i - a) / static_cast<double>(b - a);
-      place(i, a, part * seconds, part * angle);
-    }
+  if (rows.size() > 1) {  // one azimuth is no sweep; its stamp is still the best there is
+    for (const std::size_t i : rows) valid[i] = sweep.valid[i];
+    Filler(sweep, rows).fill();
   }
   sweep.valid = std::move(valid);
-  return sweep.azimuths - rows.size();
+  return sweep.azimuths - (rows.size() > 1 ? rows.size() : 0);
 }
 
 void evenStamps(RadarScan& sweep) {

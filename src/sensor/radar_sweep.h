@@ -10,9 +10,9 @@ namespace scslam {
 /// @return how many azimuths are not measured.
 std::size_t mendSweep(RadarScan& sweep);
 
-/// Puts the stamps on the straight line through them (least squares over the measured azimuths): recorders stamp rows by
-/// the packet, up to 8 ms late, while the antenna turns evenly. Left as they are where a row is more than a tenth of the
-/// sweep off that line.
+/// Puts the stamps on the straight line through them (least squares over the measured azimuths): recorders stamp rows
+/// by the packet, up to 8 ms late, while the antenna turns evenly. Left as they are where a row is more than a tenth of
+/// the sweep off that line.
 void evenStamps(RadarScan& sweep);
 
 /// A planar scan without points whose stamp is its first azimuth's. The sweep is mended, its stamps are

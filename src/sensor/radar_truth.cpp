@@ -47,11 +47,10 @@ Trajectory readOxfordTruth(const std::filesystem::path& file, std::size_t& broke
     }
     Pose T_destination_source = Pose::Identity();
     T_destination_source.translation() << table.number(row, kX), -table.number(row, kY), -table.number(row, kZ);
-    T_destination_source.linear() =
-        (Eigen::AngleAxisd(-table.number(row, kYaw), Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(-table.number(row, kPitch), Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(table.number(row, kRoll), Eigen::Vector3d::UnitX()))
-            .toRotationMatrix();
+    T_destination_source.linear() = (Eigen::AngleAxisd(-table.number(row, kYaw), Eigen::Vector3d::UnitZ()) *
+                                     Eigen::AngleAxisd(-table.number(row, kPitch), Eigen::Vector3d::UnitY()) *
+                                     Eigen::AngleAxisd(table.number(row, kRoll), Eigen::Vector3d::UnitX()))
+                                        .toRotationMatrix();
     trajectory.poses.push_back({source, trajectory.poses.back().T * T_destination_source});
   }
   return trajectory;

@@ -12,8 +12,8 @@ namespace scslam {
 /// @param broken_at file line of the first such row, 0 when there is none. @throw inputError file:line.
 Trajectory readOxfordTruth(const std::filesystem::path& file, std::size_t& broken_at);
 
-/// Boreas, applanix/radar_poses.csv: t [us], position east north up [m], velocity, roll pitch yaw [rad] of a radar frame
-/// with z down (here: turned upright), angular velocity. @throw inputError file:line.
+/// Boreas, applanix/radar_poses.csv: t [us], position east north up [m], velocity, roll pitch yaw [rad] of a radar
+/// frame with z down (here: turned upright), angular velocity. @throw inputError file:line.
 Trajectory readBoreasTruth(const std::filesystem::path& file);
 
 }  // namespace scslam

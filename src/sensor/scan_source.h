@@ -37,7 +37,7 @@ class ScanSource {
 struct OpenOptions {
   std::optional<SensorModel> sensor;  ///< overrides what the reader would take (rings, times, extrinsic)
   std::string label;                  ///< only the scans of this sensor label; empty: the first label with scans
-  bool radar = false;  ///< where there is a radar beside a LiDAR, take the radar
+  bool radar = false;                 ///< where there is a radar beside a LiDAR, take the radar
 };
 
 /// A format that can be read. Plug-in interface of sensor/readers.

@@ -43,7 +43,8 @@ class Cen2019 final : public RadarExtractor {
 
   Cloud extract(const RadarScan& scan) const override {
     auto bins = params_.binsOf(scan);
-    bins.begin = std::max<std::size_t>(bins.begin, 1), bins.end = std::min(bins.end, scan.bins - std::min<std::size_t>(1, scan.bins));
+    bins.begin = std::max<std::size_t>(bins.begin, 1),
+    bins.end = std::min(bins.end, scan.bins - std::min<std::size_t>(1, scan.bins));
     if (bins.end <= bins.begin || !scan.consistent()) return {};
     const std::vector<std::vector<Region>> regions = connected(strongest(regionsOf(scan, bins), scan.azimuths));
     return radarCloud(scan, threads_, [&](std::size_t azimuth, std::vector<RadarDetection>& detections) {
@@ -144,8 +145,8 @@ class Cen2019 final : public RadarExtractor {
     std::vector<std::vector<Region>> kept(rows.size());
     const auto touches = [&](const Region& region, std::size_t azimuth) {
       const auto& other = rows[azimuth];
-      const auto behind = std::partition_point(other.begin(), other.end(),
-                                               [&](const Region& r) { return r.end <= region.begin; });
+      const auto behind =
+          std::partition_point(other.begin(), other.end(), [&](const Region& r) { return r.end <= region.begin; });
       return behind != other.end() && behind->begin < region.end;
     };
     for (std::size_t i = 0; i < rows.size(); ++i)

@@ -1,5 +1,5 @@
-// OS-CFAR: a peak must exceed the k-th smallest of the cells around it by the factor that gives the wanted rate of false
-// alarms; a second echo among the cells does not hide it (H. Rohling, IEEE T-AES 1983).
+// OS-CFAR: a peak must exceed the k-th smallest of the cells around it by the factor that gives the wanted rate of
+// false alarms; a second echo among the cells does not hide it (H. Rohling, IEEE T-AES 1983).
 #include <algorithm>
 #include <cmath>
 

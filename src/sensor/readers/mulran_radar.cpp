@@ -65,10 +65,9 @@ struct MulranRadar final : ScanFormat {
     folder.files = listFiles(layout->images, {".png"});
     for (const fs::path& file : folder.files)
       if (!stampOfName(file)) throw inputError("{}: the name is not a time in nanoseconds", file.string());
-    folder.description =
-        fmt::format("MulRan radar, {} sweeps of {}, bins of {} m and offset {} m assumed ({})", folder.files.size(),
-                    layout->images.filename().string(), table.radar.range_resolution_m, table.radar.range_offset_m,
-                    table.name);
+    folder.description = fmt::format("MulRan radar, {} sweeps of {}, bins of {} m and offset {} m assumed ({})",
+                                     folder.files.size(), layout->images.filename().string(),
+                                     table.radar.range_resolution_m, table.radar.range_offset_m, table.name);
     if (!layout->poses.empty()) {
       std::string truth;
       folder.truth = readMulranPoses(layout->poses, truth);

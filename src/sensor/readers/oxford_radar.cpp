@@ -1,6 +1,6 @@
 // Oxford Radar RobotCar and Boreas: radar/<us>.png (oxford_radar.h) and gt/radar_odometry.csv or
-// applanix/radar_poses.csv. Base is the radar. Which bins an image has, it does not say: the layout and, for Boreas, the
-// date choose the sensor table.
+// applanix/radar_poses.csv. Base is the radar. Which bins an image has, it does not say: the layout and, for Boreas,
+// the date choose the sensor table.
 #include "scslam/sensor/oxford_radar.h"
 
 #include "scslam/core/error.h"

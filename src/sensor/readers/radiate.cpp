@@ -31,7 +31,9 @@ std::map<std::uint64_t, Stamp> readFrameTimes(const fs::path& file) {
   const TextTable table = readTextTable(file);
   std::map<std::uint64_t, Stamp> times;
   for (const auto& row : table.rows) {
-    const auto bad = [&] { return inputError("{}:{}: not 'Frame: <number> Time: <seconds>'", file.string(), row.line); };
+    const auto bad = [&] {
+      return inputError("{}:{}: not 'Frame: <number> Time: <seconds>'", file.string(), row.line);
+    };
     if (row.cells.size() != 4 || row.cells[0] != "Frame:" || row.cells[2] != "Time:") throw bad();
     const auto number = numberOf(row.cells[1]);
     Stamp stamp;
