@@ -52,7 +52,6 @@ constexpr std::uint32_t kMinMatches = 12;
 struct Step {
   Vector6d delta = Vector6d::Zero();
   Matrix6d information = Matrix6d::Zero();  ///< of the directions that are fixed
-  Matrix6d unfixed = Matrix6d::Zero();      ///< projector onto the others
   int degenerate_axes = 0;
 };
 
@@ -97,10 +96,6 @@ Step solve(const MatchSystem& system, double lever_m, const Vector6d& from_guess
   step.delta = scale.asDiagonal() * step.delta;
   const Vector6d unscale = scale.cwiseInverse();
   step.information = unscale.asDiagonal() * step.information * unscale.asDiagonal();
-  Matrix6d open = Matrix6d::Identity() - kept;
-  if (options.planar)
-    for (const int axis : {2, 3, 4}) open.row(axis).setZero(), open.col(axis).setZero();
-  step.unfixed = scale.asDiagonal() * open * unscale.asDiagonal();
   return step;
 }
 
@@ -133,7 +128,6 @@ MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose
     const Step step = solve(result.system, lever_m, local(T_map_scan_guess, result.T_map_scan), options);
     result.degenerate_axes = step.degenerate_axes;
     result.information = step.information / MatchResult::kCorrelatedPoints;
-    result.unfixed = step.unfixed;
     result.kernel_width_m = kernel.width_m;
     result.T_map_scan = retract(result.T_map_scan, step.delta);
     renormalise(result.T_map_scan);

@@ -13,7 +13,7 @@ void LoopGateParams::describe(ParamVisitor& v) {
   v.field("max_rmse_m", max_rmse_m, "of the inliers along the surface normal [m]", 0, 10);
   v.field("max_degenerate_axes", max_degenerate_axes,
           "directions of motion that may stay unfixed; the factor leaves them free", 0, 6);
-  v.field("max_rival_share", max_rival_share,
+  v.field("max_rival_fit", max_rival_fit,
           "a different pose that odometry allows too may fit at most this well, relative to the best", 0, 1);
   v.field("min_target_overlap", min_target_overlap,
           "share of the submap's surface in sight of the scan that the scan must see too", 0, 1);
@@ -71,25 +71,39 @@ Pose completed(const RegistrationResult& result, const OdometryPrediction& predi
   return retract(result.T_target_source, result.unfixed * local(result.T_target_source, predicted.T_match_query));
 }
 
-std::string contradiction(const RegistrationResult& result, const OdometryPrediction& predicted, bool planar,
-                          const LoopGateParams& params) {
-  const Pose T = completed(result, predicted);
-  const double chi2 = odometryDisagreement(T, predicted, planar, params);
-  if (chi2 > params.max_odometry_mahalanobis2)
-    return fmt::format("odometry disagrees: chi2 {:.1f} > {:.1f}", chi2, params.max_odometry_mahalanobis2);
-  // An unfixed direction is odometry's alone: too far along it, the submap says nothing of the place.
-  if (result.degenerate_axes > 0 && T.translation().norm() > params.max_offset_m)
-    return fmt::format("{} directions unfixed, and odometry places it {:.1f} m away > {:.1f} m", result.degenerate_axes,
-                       T.translation().norm(), params.max_offset_m);
-  for (const RivalRegistration& rival : result.rivals) {
-    if (rival.share <= params.max_rival_share) break;
-    if (odometryDisagreement(rival.T_target_source, predicted, planar, params) > params.max_odometry_mahalanobis2)
+Choice chosenByOdometry(const RegistrationResult& result, const OdometryPrediction& predicted, bool planar,
+                        const LoopGateParams& params) {
+  const auto judge = [&](RegistrationResult candidate) {
+    Choice choice;
+    candidate.T_target_source = completed(candidate, predicted);
+    choice.odometry_mahalanobis2 = odometryDisagreement(candidate.T_target_source, predicted, planar, params);
+    const double distance = candidate.T_target_source.translation().norm();
+    if (choice.odometry_mahalanobis2 > params.max_odometry_mahalanobis2)
+      choice.refusal = fmt::format("odometry disagrees: chi2 {:.1f} > {:.1f}", choice.odometry_mahalanobis2,
+                                   params.max_odometry_mahalanobis2);
+    // An unfixed direction is odometry's alone: too far along it, the submap says nothing of the place.
+    else if (candidate.degenerate_axes > 0 && distance > params.max_offset_m)
+      choice.refusal = fmt::format("{} directions unfixed, and odometry places it {:.1f} m away > {:.1f} m",
+                                   candidate.degenerate_axes, distance, params.max_offset_m);
+    choice.result = std::move(candidate);
+    return choice;
+  };
+  Choice chosen = judge(result);
+  for (const RegistrationResult& rival : result.rivals) {
+    if (rival.fit < params.max_rival_fit) continue;
+    Choice other = judge(rival);
+    if (!other.refusal.empty()) continue;
+    if (!chosen.refusal.empty()) {
+      chosen = std::move(other);
       continue;
-    const Pose difference = result.T_target_source.inverse() * rival.T_target_source;
-    return fmt::format("ambiguous: a pose {:.1f} m and {:.0f} deg away fits {:.0f} % as well",
-                       difference.translation().norm(), rotationAngle(difference) * 180 / M_PI, 100 * rival.share);
+    }
+    const Pose difference = chosen.result.T_target_source.inverse() * other.result.T_target_source;
+    chosen.refusal =
+        fmt::format("ambiguous: a pose {:.1f} m and {:.0f} deg away fits {:.0f} % as well",
+                    difference.translation().norm(), rotationAngle(difference) * 180 / M_PI, 100 * rival.fit);
+    break;
   }
-  return "";
+  return chosen;
 }
 
 double odometryDisagreement(const Pose& T_match_query_measured, const OdometryPrediction& predicted, bool planar,

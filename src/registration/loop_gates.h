@@ -13,7 +13,7 @@ struct LoopGateParams : ParamSetOf<LoopGateParams> {
   double min_overlap = 0.65;
   double max_rmse_m = 0.15;
   int max_degenerate_axes = 2;
-  double max_rival_share = 0.95;
+  double max_rival_fit = 0.9;
   double min_target_overlap = 0.85;
   double max_seen_through = 0.05;
   double max_offset_m = 10;
@@ -46,11 +46,17 @@ std::string implausible(const OdometryPrediction& predicted, const LoopGateParam
 std::string refusal(const RegistrationResult& result, const LoopGateParams& params);
 std::string refusal(const FreeSpace& free_space, const LoopGateParams& params);
 
-/// Why odometry refuses the pose, or cannot choose between it and a rival that fits the submap about as well.
-std::string contradiction(const RegistrationResult& result, const OdometryPrediction& predicted, bool planar,
-                          const LoopGateParams& params);
+/// Of the registered pose and its rivals that fit about as well, the one that odometry allows, completed(); when there
+/// is not exactly one, the best with the reason in `refusal`.
+struct Choice {
+  RegistrationResult result;
+  double odometry_mahalanobis2 = 0;
+  std::string refusal;
+};
+Choice chosenByOdometry(const RegistrationResult& result, const OdometryPrediction& predicted, bool planar,
+                        const LoopGateParams& params);
 
-/// The registered pose with what the overlap leaves open (RegistrationResult::unfixed) taken from odometry.
+/// The pose with what the overlap leaves open (RegistrationResult::unfixed) taken from odometry.
 Pose completed(const RegistrationResult& result, const OdometryPrediction& predicted);
 
 /// Squared Mahalanobis distance between the measured and the predicted relative pose, given the covariance of the

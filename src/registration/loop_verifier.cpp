@@ -34,14 +34,14 @@ Verification LoopVerifier::verify(const Cloud& query, std::vector<Pose> T_target
                                   const OdometryPrediction& predicted, bool planar) {
   Verification verification;
   T_target_query_guesses.push_back(predicted.T_match_query);
-  RegistrationResult& result = verification.registration;
-  result = registration_->align(query, T_target_query_guesses, planar);
-  verification.refusal = refusal(result, gates_);
-  if (verification.refusal.empty()) verification.refusal = contradiction(result, predicted, planar, gates_);
-  result.T_target_source = completed(result, predicted);
-  verification.odometry_mahalanobis2 = odometryDisagreement(result.T_target_source, predicted, planar, gates_);
+  Choice choice =
+      chosenByOdometry(registration_->align(query, T_target_query_guesses, planar), predicted, planar, gates_);
+  verification.registration = std::move(choice.result);
+  verification.odometry_mahalanobis2 = choice.odometry_mahalanobis2;
+  verification.refusal = refusal(verification.registration, gates_);
+  if (verification.refusal.empty()) verification.refusal = choice.refusal;
   if (!verification.refusal.empty()) return verification;
-  verification.free_space = freeSpace(query, result.T_target_source, planar);
+  verification.free_space = freeSpace(query, verification.registration.T_target_source, planar);
   verification.refusal = refusal(*verification.free_space, gates_);
   return verification;
 }

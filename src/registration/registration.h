@@ -7,12 +7,6 @@
 
 namespace scslam {
 
-/// Another pose at which the source fits the target.
-struct RivalRegistration {
-  Pose T_target_source = Pose::Identity();
-  double share = 0;  ///< its fit relative to the best one's, 1: as good
-};
-
 struct RegistrationResult {
   Pose T_target_source = Pose::Identity();
   Matrix6d hessian = Matrix6d::Zero();  ///< information of T_target_source (tangent of core/pose.h, frame source),
@@ -25,7 +19,8 @@ struct RegistrationResult {
   double explained = 0;     ///< share of all source points that lie on a surface of the target
   double overlap = 0;       ///< share of source points (within the target's extent) that lie in occupied target space
   double rmse_m = 0;        ///< of the inliers, along the surface normal
-  std::vector<RivalRegistration> rivals;  ///< clearly different poses found on the way, best first
+  double fit = 1;           ///< of a rival: its fit relative to the best pose's
+  std::vector<RegistrationResult> rivals;  ///< clearly different poses that fit nearly as well, best first, few
 };
 
 /// Plug-in interface of registration/methods.

@@ -17,7 +17,7 @@ RegistrationResult good() {
 
 TEST(LoopGates, PassAGoodResultAndNameWhatIsWrongWithABadOne) {
   LoopGateParams params;
-  params.min_overlap = 0.5;
+  params.min_overlap = params.min_explained = 0.5;
   params.min_inlier_ratio = 0.4;
   params.max_rmse_m = 0.25;
   params.max_degenerate_axes = 2;
@@ -76,26 +76,33 @@ TEST(LoopGates, WhatTheOverlapLeavesOpenIsOdometrys) {
   predicted.travelled_m = 50;
   EXPECT_NEAR(completed(corridor, predicted).translation().x(), 1.0, 1e-9);
   EXPECT_NEAR(completed(corridor, predicted).translation().y(), 0.2, 1e-9);
-  EXPECT_EQ(contradiction(corridor, predicted, false, {}), "")
-      << "3 m apart where nothing is known is no contradiction";
+  const auto refused = [&] { return chosenByOdometry(corridor, predicted, false, {}).refusal; };
+  EXPECT_EQ(refused(), "") << "3 m apart where nothing is known is no contradiction";
   corridor.degenerate_axes = 0;
-  EXPECT_THAT(contradiction(corridor, predicted, false, {}), HasSubstr("odometry disagrees: chi2"));
+  EXPECT_THAT(refused(), HasSubstr("odometry disagrees: chi2"));
   // Far along the corridor the submap says nothing.
   corridor.degenerate_axes = 1;
   predicted.T_match_query = poseFromYaw(0, {30, 0.1, 0});
-  EXPECT_THAT(contradiction(corridor, predicted, false, {}), HasSubstr("1 directions unfixed, and odometry places it"));
+  EXPECT_THAT(refused(), HasSubstr("1 directions unfixed, and odometry places it"));
 }
 
 TEST(LoopGates, TwoPosesThatFitAlikeAreAmbiguousUnlessOdometryKnows) {
-  RegistrationResult result = good();
-  result.rivals = {{poseFromYaw(M_PI, {0.5, 0, 0}), 0.98}};
+  RegistrationResult result = good(), turned = good();
+  turned.T_target_source = poseFromYaw(M_PI, {0.5, 0, 0});
+  turned.fit = 0.98;
+  result.rivals = {turned};
   OdometryPrediction predicted;
   predicted.travelled_m = 10;
-  EXPECT_EQ(contradiction(result, predicted, false, {}), "") << "after 10 m odometry knows front from back";
+  EXPECT_EQ(chosenByOdometry(result, predicted, false, {}).refusal, "") << "after 10 m odometry knows front from back";
+  std::swap(result.T_target_source, result.rivals.front().T_target_source);
+  const Choice chosen = chosenByOdometry(result, predicted, false, {});
+  EXPECT_EQ(chosen.refusal, "");
+  EXPECT_EQ(chosen.result.T_target_source.matrix(), Pose::Identity().matrix()) << "and picks the one it allows";
   predicted.path_covariance = 10 * Matrix6d::Identity();
-  EXPECT_EQ(contradiction(result, predicted, false, {}), "ambiguous: a pose 0.5 m and 180 deg away fits 98 % as well");
-  result.rivals.front().share = 0.7;
-  EXPECT_EQ(contradiction(result, predicted, false, {}), "");
+  EXPECT_EQ(chosenByOdometry(result, predicted, false, {}).refusal,
+            "ambiguous: a pose 0.5 m and 180 deg away fits 98 % as well");
+  result.rivals.front().fit = 0.7;
+  EXPECT_EQ(chosenByOdometry(result, predicted, false, {}).refusal, "");
 }
 
 TEST(LoopGates, ImplausibleCandidatesAreNamedBeforeAnyWork) {

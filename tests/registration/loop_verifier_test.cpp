@@ -143,7 +143,7 @@ TEST(LoopVerifier, TriesOdometrysPoseToo) {
 TEST(LoopVerifier, AScanMustNotSeeThroughTheSubmapsWalls) {
   // Where the submap was made stands a screen that the scan's place does not have; everything else is the same.
   std::vector<Box> screened = yard();
-  screened.push_back({{3, 1, 0}, {3.4, 12, 9}});
+  screened.push_back({{3, -3, 0}, {3.4, 12, 9}});
   const Pose T = poseFromYaw(0.05, {0.5, 0.2, 0});
   LoopVerifier loops = verifier();
   loops.setTarget(targetOf(screened, {kPlace}));
@@ -188,8 +188,10 @@ TEST(LoopVerifier, APlaceThatLooksAlikeFromBothEndsIsAmbiguousUnlessOdometryKnow
                                  {{-10, -12, 0}, {-4, -9, 5}}};
   const Pose place = poseFromYaw(0, {0, 0, 1.7}), T = poseFromYaw(0.05, {0.4, 0.3, 0});
   LoopVerifier loops = verifier();
-  loops.setTarget(targetOf(hall, {place}));
-  OdometryPrediction predicted = near(T, 20);
+  loops.setTarget(targetOf(hall, {place, place * poseFromYaw(0.1, {1, 0, 0}), place * poseFromYaw(-0.1, {-1, 0, 0})}));
+  OdometryPrediction predicted;
+  predicted.T_match_query = T * poseFromYaw(0.02, {0.2, -0.1, 0.03});
+  predicted.travelled_m = 20;
   const Cloud scan = scanAt(hall, place * T);
   EXPECT_EQ(loops.verify(scan, {T}, predicted, false).refusal, "") << "after 20 m odometry knows front from back";
   predicted.path_covariance.diagonal() << 9, 9, 1, 0.01, 0.01, 4;
@@ -209,11 +211,8 @@ TEST(LoopVerifier, PlanarScansAreJudgedByTheSameGates) {
     return flat(scanAt(world, T_world_base, 1, 720));
   };
   const auto target = [&](const std::vector<Box>& world) {
-    LoopTarget target;
-    target.T_target_base = {Pose::Identity()};
-    target.clouds = {std::make_shared<Cloud>(single(world, place))};
-    target.submap = *target.clouds.front();
-    return target;
+    const auto scan = std::make_shared<Cloud>(single(world, place));
+    return LoopTarget{*scan, {Pose::Identity()}, {scan}};
   };
   OdometryPrediction predicted;
   predicted.T_match_query = T * poseFromYaw(0.05, {0.2, 0.1, 0});

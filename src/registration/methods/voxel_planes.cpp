@@ -7,6 +7,7 @@
 
 #include "scslam/core/scan_match.h"
 #include "scslam/core/voxel_filter.h"
+#include "scslam/registration/conditioning.h"
 #include "scslam/registration/registration.h"
 
 namespace scslam {
@@ -55,19 +56,18 @@ class VoxelPlanes : public Registration {
 
     const Cloud thin = sourcePoints(source);
     const SearchResult search = searchFrom(*map_, thin, starts(T_target_source_guesses), options(), context_.threads);
-    const MatchResult& match = search.best;
-    result.T_target_source = match.T_map_scan;
-    result.converged = match.converged && match.inlierRatio() > 0.05;
-    result.iterations = match.iterations;
-    const MatchSystem& system = match.system;
-    result.inlier_ratio = system.matched > 0 ? static_cast<double>(system.inliers) / system.matched : 0.0;
-    result.explained = match.inlierRatio();
-    result.overlap = overlap(thin, match.T_map_scan);
-    result.rmse_m = match.rmse();
-    result.degenerate_axes = match.degenerate_axes;
-    result.unfixed = match.unfixed;
-    result.hessian = believable(match.information);
-    result.rivals = distinct(search.rivals, match);
+    result = judged(thin, search.best);
+    for (const RivalPose& rival : search.rivals) {
+      constexpr double kNearlyAsWell = 0.85;
+      constexpr std::size_t kAtMost = 3;
+      if (rival.share < kNearlyAsWell || result.rivals.size() == kAtMost) break;
+      if (!isNew(rival.T_map_scan, result)) continue;
+      const MatchResult match = matchScan(*map_, thin, rival.T_map_scan, options(), context_.threads);
+      if (!isNew(match.T_map_scan, result)) continue;  // it slid to one we have
+      RegistrationResult other = judged(thin, match);
+      other.fit = match.meanScore() / std::max(search.best.meanScore(), 1e-9);
+      result.rivals.push_back(std::move(other));
+    }
     return result;
   }
 
@@ -112,6 +112,7 @@ class VoxelPlanes : public Registration {
     options.inlier_m = params_.inlier_m > 0 ? params_.inlier_m : 0.6 * voxel_m_;
     options.sigma_m = planar_ ? std::max(0.06 * voxel_m_, 0.02) : 0.06 * voxel_m_;
     options.planar = planar_;
+    options.degenerate_share = 2e-4;  // the step may go where conditioningOf() sees nothing fixed: that is taken back
     return options;
   }
 
@@ -145,16 +146,49 @@ class VoxelPlanes : public Registration {
     return starts;
   }
 
-  /// Rivals that are another pose, not the same one reached less well or one farther along an unfixed direction.
-  std::vector<RivalRegistration> distinct(const std::vector<RivalPose>& rivals, const MatchResult& match) const {
-    constexpr double kAngle_rad = 0.2;
-    std::vector<RivalRegistration> result;
-    for (const RivalPose& rival : rivals) {
-      const Vector6d d = local(match.T_map_scan, rival.T_map_scan), fixed = d - match.unfixed * d;
-      if (fixed.head<3>().norm() > 4 * voxel_m_ || fixed.tail<3>().norm() > kAngle_rad)
-        result.push_back({rival.T_map_scan, rival.share});
-    }
+  /// The pose once more on the finest planes, with the noise that the residuals show: where that is low, planes tilted
+  /// by an edge in their voxel weigh little against flat ones.
+  Pose polished(const Cloud& source, const MatchResult& match) const {
+    MatchOptions last = options();
+    last.levels = {0, 0};
+    last.max_iterations = 3;
+    const MatchResult finest = matchScan(*map_, source, match.T_map_scan, last, context_.threads);
+    if (4 * finest.system.matched < match.system.matched) return match.T_map_scan;  // sparse: coarse planes are needed
+    const double shown_m = 1.4826 * finest.system.medianResidual(map_->level(0).voxelSize());
+    last.sigma_m = std::clamp(shown_m, 0.1 * last.sigma_m, last.sigma_m);
+    last.step_m = 2e-5, last.step_rad = 2e-6;
+    last.max_iterations = 10;
+    return matchScan(*map_, source, finest.T_map_scan, last, context_.threads).T_map_scan;
+  }
+
+  RegistrationResult judged(const Cloud& source, const MatchResult& match) const {
+    constexpr double kLeastShare = 2e-3;
+    const MatchSystem& system = match.system;
+    const Conditioning conditioning = conditioningOf(system.H, source, kLeastShare, planar_);
+
+    RegistrationResult result;
+    result.T_target_source = polished(source, match);
+    result.converged = match.converged && match.inlierRatio() > 0.05;
+    result.iterations = match.iterations;
+    result.inlier_ratio = system.matched > 0 ? static_cast<double>(system.inliers) / system.matched : 0.0;
+    result.explained = match.inlierRatio();
+    result.overlap = overlap(source, match.T_map_scan);
+    result.rmse_m = match.rmse();
+    result.degenerate_axes = conditioning.unfixed_axes;
+    result.unfixed = conditioning.unfixed;
+    result.hessian = believable(conditioning.information / MatchResult::kCorrelatedPoints);
     return result;
+  }
+
+  /// Another pose than the best one and its rivals so far: not the same reached less well, nor one farther along an
+  /// unfixed direction.
+  bool isNew(const Pose& T_target_source, const RegistrationResult& best) const {
+    constexpr double kAngle_rad = 0.2;
+    const auto differs = [&](const RegistrationResult& other) {
+      const Vector6d d = local(other.T_target_source, T_target_source), fixed = d - other.unfixed * d;
+      return fixed.head<3>().norm() > 4 * voxel_m_ || fixed.tail<3>().norm() > kAngle_rad;
+    };
+    return differs(best) && std::all_of(best.rivals.begin(), best.rivals.end(), differs);
   }
 
   /// Share of the source inside the target's bounding box that lies in an occupied voxel of the second level.
