@@ -23,10 +23,8 @@ LoopVerifier::LoopVerifier(std::unique_ptr<Registration> registration, const Loo
     : registration_(std::move(registration)), gates_(gates), viewpoint_(viewpoint_base.cast<float>()) {}
 
 void LoopVerifier::setTarget(LoopTarget target) {
-  constexpr std::size_t kPatchPoints = 100000;  // neighbouring scans show the same walls
   registration_->setTarget(target.submap);
   target_ = std::move(target);
-  target_.submap = thinned(target_.submap, kPatchPoints);
   target_patches_.reset();
 }
 
@@ -47,11 +45,12 @@ Verification LoopVerifier::verify(const Cloud& query, std::vector<Pose> T_target
 }
 
 FreeSpace LoopVerifier::freeSpace(const Cloud& query, const Pose& T_target_query, bool planar) {
+  constexpr std::size_t kPatchPoints = 100000;  // neighbouring scans show the same walls
   const double patch_m = patchSize(query, planar);
   const float margin_m = std::max(0.5f, static_cast<float>(patch_m));
   FreeSpace result;
   if (target_.clouds.empty()) return result;
-  if (!target_patches_) target_patches_ = patchesOf(target_.submap, patch_m, planar);
+  if (!target_patches_) target_patches_ = patchesOf(thinned(target_.submap, kPatchPoints), patch_m, planar);
   const SightFigures of_submap =
       sightOf(RangeImage(query, viewpoint_, planar), *target_patches_, T_target_query.inverse(), margin_m);
   result.target_overlap = of_submap.explained();

@@ -44,7 +44,7 @@ class LoopVerifier {
   std::unique_ptr<Registration> registration_;
   LoopGateParams gates_;
   Eigen::Vector3f viewpoint_;
-  LoopTarget target_;                      ///< the submap is kept thinned
+  LoopTarget target_;
   std::optional<Patches> target_patches_;  ///< frame target; built when first needed
 };
 

@@ -153,10 +153,11 @@ class VoxelPlanes : public Registration {
     last.levels = {0, 0};
     last.max_iterations = 3;
     const MatchResult finest = matchScan(*map_, source, match.T_map_scan, last, context_.threads);
-    if (2 * finest.system.matched < match.system.matched) return match.T_map_scan;  // sparse: coarse planes are needed
+    if (4 * finest.system.matched < match.system.matched) return match.T_map_scan;  // sparse: coarse planes are needed
     const double shown_m = 1.4826 * finest.system.medianResidual(map_->level(0).voxelSize());
     last.sigma_m = std::clamp(shown_m, 0.1 * last.sigma_m, last.sigma_m);
-    last.max_iterations = 6;
+    last.step_m = 2e-5, last.step_rad = 2e-6;
+    last.max_iterations = 10;
     return matchScan(*map_, source, finest.T_map_scan, last, context_.threads).T_map_scan;
   }
 
