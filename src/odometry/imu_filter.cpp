@@ -36,9 +36,10 @@ Matrix3d renormalised(const Matrix3d& R) { return Eigen::Quaterniond(R).normaliz
 
 }  // namespace
 
-void ImuFilter::begin(const Pose& T_odom_base, const Pose& T_base_imu, const Vector3d& gravity, const Start& start) {
+void ImuFilter::begin(const Pose& T_odom_base, const Pose& T_base_imu, const Vector3d& gravity,
+                      const Vector3d& velocity, const Start& start) {
   const Pose T_odom_imu = T_odom_base * T_base_imu;
-  nav_ = {T_odom_imu.linear(), T_odom_imu.translation(), Vector3d::Zero()};
+  nav_ = {T_odom_imu.linear(), T_odom_imu.translation(), velocity};
   bias_ = {};
   gravity_ = gravity;
   T_base_imu_ = T_base_imu;
@@ -50,25 +51,16 @@ void ImuFilter::begin(const Pose& T_odom_base, const Pose& T_base_imu, const Vec
   sigma.segment<3>(kMounting).setConstant(start.mounting_m);
   sigma.segment<3>(kMounting + 3).setConstant(start.mounting_rad);
   P_ = sigma.cwiseAbs2().asDiagonal();
-  cloneBase();
-}
-
-/// Two directions across gravity, that turn smoothly with it (except straight up).
-Eigen::Matrix<double, 3, 2> ImuFilter::gravityJacobian() const {
-  const Matrix3d R = Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), gravity_).toRotationMatrix();
-  return -skew(gravity_) * R.leftCols<2>();
+  beginStep();
 }
 
 void ImuFilter::apply(const Vector& error) {
-  const Vector3d turn =
-      Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), gravity_).toRotationMatrix().leftCols<2>() *
-      error.segment<2>(kGravity);
   nav_.p += error.segment<3>(kP);
   nav_.R = renormalised(nav_.R * so3Exp(error.segment<3>(kTheta)));
   nav_.v += error.segment<3>(kV);
   bias_.gyro += error.segment<3>(kGyroBias);
   bias_.accel += error.segment<3>(kAccelBias);
-  gravity_ = so3Exp(turn) * gravity_;
+  gravity_ = turnedGravity(gravity_, error.segment<2>(kGravity));
   T_base_imu_ = retract(T_base_imu_, error.segment<6>(kMounting));
   T_base_imu_.linear() = renormalised(T_base_imu_.linear());
 }
@@ -85,7 +77,7 @@ ImuFilter::Jacobian6 ImuFilter::baseJacobian() const {
   return J;
 }
 
-void ImuFilter::cloneBase() {
+void ImuFilter::beginStep() {
   const Jacobian6 J = baseJacobian();
   T_clone_ = basePose();
   cross_ = J * P_;
@@ -97,7 +89,7 @@ ImuFilter::Covariance ImuFilter::transition(const ImuPreintegration& imu) const 
   const ImuMotion m = imu.motion(bias_);
   const double T = m.duration_s;
   const Matrix3d I = Matrix3d::Identity();
-  const Eigen::Matrix<double, 3, 2> B = gravityJacobian();
+  const Eigen::Matrix<double, 3, 2> B = gravityByAngles(gravity_);
   Covariance F = Covariance::Identity();
   F.block<3, 3>(kP, kTheta) = -nav_.R * skew(m.dp);
   F.block<3, 3>(kP, kV) = T * I;
@@ -166,7 +158,7 @@ void ImuFilter::measureRest(const Vector3d& accel, double accel_sigma, const Vec
   Jacobian6 H = Jacobian6::Zero();
   H.block<3, 3>(0, kTheta) = skew(nav_.R.transpose() * -gravity_);
   H.block<3, 3>(0, kAccelBias) = Matrix3d::Identity();
-  H.block<3, 2>(0, kGravity) = -nav_.R.transpose() * gravityJacobian();
+  H.block<3, 2>(0, kGravity) = -nav_.R.transpose() * gravityByAngles(gravity_);
   H.block<3, 3>(3, kGyroBias) = Matrix3d::Identity();
   Vector6d innovation, information;
   innovation << accel - (nav_.R.transpose() * -gravity_ + bias_.accel), gyro - bias_.gyro;
@@ -175,7 +167,7 @@ void ImuFilter::measureRest(const Vector3d& accel, double accel_sigma, const Vec
   correct(P_ * H.transpose(), cross_ * H.transpose(), weightOf(S, information.asDiagonal()), innovation);
 }
 
-bool ImuFilter::measureStep(const Pose& T_previous_base, const Matrix6d& information) {
+void ImuFilter::measureStep(const Pose& T_previous_base, const Matrix6d& information) {
   const Jacobian6 J = baseJacobian();
   const Matrix6d A = adjoint(baseStep().inverse());
   // error of the step = error of now - A error of then
@@ -183,9 +175,8 @@ bool ImuFilter::measureStep(const Pose& T_previous_base, const Matrix6d& informa
   const Matrix6d gain_clone = cross_ * J.transpose() - clone_ * A.transpose();
   const Matrix6d W = weightOf(stepCovariance(), information);
   const Vector6d innovation = local(baseStep(), T_previous_base);
-  if (innovation.dot(W * innovation) > 25.0) return false;
+  if (innovation.dot(W * innovation) > 25.0) return;
   correct(gain_state, gain_clone, W, innovation);
-  return true;
 }
 
 Matrix6d ImuFilter::stepCovariance() const {
@@ -204,7 +195,7 @@ Matrix6d ImuFilter::baseCovariance() const {
   return S;
 }
 
-Matrix6d ImuFilter::baseInformation() const {
+Matrix6d ImuFilter::poseInformation() const {
   Matrix6d information = baseCovariance().inverse();
   symmetrise(information);
   return information;

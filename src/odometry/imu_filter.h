@@ -7,12 +7,11 @@
 // clone that is never corrected), so that the covariance of a step is that of the step and not of everything since the
 // map began.
 #pragma once
-#include "scslam/core/bytes.h"
-#include "scslam/odometry/imu_preintegration.h"
+#include "scslam/odometry/imu_estimator.h"
 
 namespace scslam {
 
-class ImuFilter {
+class ImuFilter : public ImuEstimator {
  public:
   static constexpr int kStates = 23;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
@@ -20,48 +19,34 @@ class ImuFilter {
   using Jacobian6 = Eigen::Matrix<double, 6, kStates>;
   enum Index { kP = 0, kTheta = 3, kV = 6, kGyroBias = 9, kAccelBias = 12, kGravity = 15, kMounting = 17 };
 
-  /// One-sigma values at the start.
-  struct Start {
-    double velocity_mps = 5;
-    double gyro_bias = 0.02;                  ///< [rad/s]
-    double accel_bias = 0.1;                  ///< [m/s^2]
-    double gravity_rad = 0.5;                 ///< direction, before the accelerometer was asked
-    double mounting_m = 0, mounting_rad = 0;  ///< 0: T_base_imu is taken as exact
-  };
+  std::unique_ptr<ImuEstimator> clone() const override { return std::make_unique<ImuFilter>(*this); }
+  void begin(const Pose& T_odom_base, const Pose& T_base_imu, const Eigen::Vector3d& gravity,
+             const Eigen::Vector3d& velocity, const Start& start) override;
 
-  /// At rest in the given pose: position and attitude define odom and are exact, the rest as in `start`.
-  void begin(const Pose& T_odom_base, const Pose& T_base_imu, const Eigen::Vector3d& gravity, const Start& start);
+  void beginStep() override;
+  void predict(const ImuPreintegration& imu, const ImuNoise& noise) override;
+  void predictAtSpeed(const Vector6d& twist, double duration_s) override;
 
-  // ---- motion ----
-  void predict(const ImuPreintegration& imu, const ImuNoise& noise);
-  /// Without an IMU: the base goes on at `twist` (v, w, frame base), which may change.
-  void predictAtSpeed(const Vector6d& twist, double duration_s);
-  /// From here on the step is counted: call before the prediction.
-  void cloneBase();
+  void measureRest(const Eigen::Vector3d& accel, double accel_sigma, const Eigen::Vector3d& gyro,
+                   double gyro_sigma) override;
+  /// Beyond 5 sigma it is not taken.
+  void measureStep(const Pose& T_previous_base, const Matrix6d& information) override;
+  /// The iterated update of the filter, whose search was done outside.
+  void measurePose(const Pose& T_odom_base, const Matrix6d& information) override;
 
-  // ---- measurements ----
-  /// The mean force and rate over a while without known motion. @param sigma of the force [m/s^2] and the rate [rad/s];
-  /// an infinite one leaves that reading out.
-  void measureRest(const Eigen::Vector3d& accel, double accel_sigma, const Eigen::Vector3d& gyro, double gyro_sigma);
-  /// The step since cloneBase() was T_previous_base, with this information (tangent, frame base).
-  /// @return false when it is beyond 5 sigma and was not taken.
-  bool measureStep(const Pose& T_previous_base, const Matrix6d& information);
-  /// `T_odom_base` is the most likely pose given basePose(), baseInformation() and measurements of this information
-  /// (tangent, frame base; may be singular): the result of an iterated update, whose search was done outside.
-  void measurePose(const Pose& T_odom_base, const Matrix6d& information);
+  Pose basePose() const override;
+  /// Inverse of baseCovariance().
+  Matrix6d poseInformation() const override;
+  Matrix6d stepCovariance() const override;
+  NavState nav() const override { return nav_; }
+  ImuBias bias() const override { return bias_; }
+  Eigen::Vector3d gravity() const override { return gravity_; }
+  Pose mounting() const override { return T_base_imu_; }
+  void save(ByteWriter& state) const override;
+  void load(ByteReader& state) override;
 
-  // ---- what is believed ----
-  Pose basePose() const;
+  /// Nothing is known better than 0.1 mm, 0.1 mrad.
   Matrix6d baseCovariance() const;
-  /// Inverse of baseCovariance(); nothing is known better than 0.1 mm, 0.1 mrad.
-  Matrix6d baseInformation() const;
-  /// Of the pose since cloneBase().
-  Pose baseStep() const { return T_clone_.inverse() * basePose(); }
-  Matrix6d stepCovariance() const;
-  const NavState& nav() const { return nav_; }
-  const ImuBias& bias() const { return bias_; }
-  const Eigen::Vector3d& gravity() const { return gravity_; }
-  const Pose& mounting() const { return T_base_imu_; }
   const Covariance& covariance() const { return P_; }
 
   /// Applies an error vector; public for the tests of the Jacobians.
@@ -71,11 +56,8 @@ class ImuFilter {
   /// Derivative of the error after predict() by the error before.
   Covariance transition(const ImuPreintegration& imu) const;
 
-  void save(ByteWriter& state) const;
-  void load(ByteReader& state);
-
  private:
-  Eigen::Matrix<double, 3, 2> gravityJacobian() const;
+  Pose baseStep() const { return T_clone_.inverse() * basePose(); }
   void propagateCovariance(const Covariance& F, const Covariance& Q);
   /// The update common to all. @param gain_state, gain_clone covariances (state, innovation) and (clone, innovation).
   /// @param W inverse covariance of the innovation.

@@ -1,9 +1,7 @@
-// LiDAR-inertial odometry of the FAST-LIO2 class: a tightly coupled, iterated error-state Kalman filter; the scan's
-// points are matched to the planes of an incremental voxel map without features.
+// LiDAR-inertial odometry, but for the estimator: what `lio` (a filter) and `lio_smoother` (a smoother) share.
 //
-// One step: integrate the IMU to the scan's stamp, compensate the sweep along the IMU's motion, find the most likely
-// pose given that prediction and the points (Gauss-Newton; the iterated update of the filter), correct velocity,
-// biases, gravity and, if wished, the IMU's mounting by what the pose tells about them. The recording's own odometry
+// One step: integrate the IMU to the scan's stamp, compensate the sweep along the IMU's motion, match the points to the
+// planes of an incremental voxel map without features, hand the pose to the estimator. The recording's own odometry
 // (wheels), where there is one, is a measurement of the step.
 //
 // Without an IMU, during a gap in it, or when its readings make no sense, the step is predicted at constant speed, and
@@ -13,13 +11,13 @@
 
 #include "scslam/odometry/imu_check.h"
 #include "scslam/odometry/imu_deskew.h"
-#include "scslam/odometry/imu_filter.h"
+#include "scslam/odometry/imu_estimator.h"
 #include "scslam/odometry/imu_scan_map.h"
 #include "scslam/odometry/imu_stream.h"
 
 namespace scslam {
 
-class Lio : public Odometry {
+class ImuOdometry : public Odometry {
  public:
   struct Params : ParamSetOf<Params> {
     ImuScanMap::Params map;
@@ -29,13 +27,15 @@ class Lio : public Odometry {
     double max_imu_gap_s = 0.1;
     double imu_time_offset_s = 0;
     bool estimate_time_offset = true;
-    bool estimate_mounting = false;
     bool use_recorded_odometry = true;
     bool deskew = true;
+    bool estimate_mounting = false;  ///< not described here: a smoother cannot
     void describe(ParamVisitor& visitor) override;
   };
 
-  Lio(const Params& params, const PluginContext& context);
+  /// @param name of the front-end, for messages.
+  ImuOdometry(const Params& params, const PluginContext& context, std::unique_ptr<ImuEstimator> estimator,
+              std::string name);
 
   OdometryStep step(const Scan& scan) override;
   void save(ByteWriter& state) const override;
@@ -51,16 +51,16 @@ class Lio : public Odometry {
     bool searched = false;
   };
 
-  // ---- the IMU (lio_imu.cpp) ----
-  /// Takes the scan's readings; begins the filter with the first ones that make sense.
+  // ---- the IMU (imu_odometry_readings.cpp) ----
+  /// Takes the scan's readings; begins the estimator with the first ones that make sense.
   void takeReadings(const Scan& scan);
   void beginInertial(const Scan& scan, const ImuStart& start);
   void stopInertial();
   bool inertial() const { return inertial_; }
-  /// Moves the filter to the scan's stamp.
+  /// Moves the estimator to the scan's stamp.
   void predict(const Scan& scan);
   void watchImu(const Scan& scan, const Pose& T_previous_base);
-  SweepMotion sweepOf(const Scan& scan, double sweep_s) const;
+  SweepMotion sweepOf(const Scan& scan, double sweep_s, const ImuEstimator& estimator) const;
   void say(Said what, const std::string& line);
 
   // ---- the scan ----
@@ -74,11 +74,12 @@ class Lio : public Odometry {
 
   Params params_;
   PluginContext context_;
+  std::string name_;
 
   // The state, all of it saved.
   ImuScanMap map_;
   ImuStream stream_;
-  ImuFilter filter_;
+  std::unique_ptr<ImuEstimator> estimator_;
   ImuCheck check_;
   bool inertial_ = false;  ///< the IMU is believed
   bool refused_ = false;   ///< it was tried and makes no sense

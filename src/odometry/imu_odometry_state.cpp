@@ -1,8 +1,8 @@
-#include "scslam/odometry/frontends/lio/lio.h"
+#include "scslam/odometry/imu_odometry.h"
 
 namespace scslam {
 
-void Lio::Params::describe(ParamVisitor& visitor) {
+void ImuOdometry::Params::describe(ParamVisitor& visitor) {
   visitor.group("map", map, "the local map and the match");
   visitor.group("noise", noise, "of the IMU");
   visitor.field("gravity_m_s2", gravity_m_s2, "length of gravity [m/s^2]", 0.1, 100.0);
@@ -12,16 +12,15 @@ void Lio::Params::describe(ParamVisitor& visitor) {
   visitor.field("imu_time_offset_s", imu_time_offset_s,
                 "added to the IMU's stamps [s]; > 0 where its clock is behind that of the scans", -10.0, 10.0);
   visitor.field("estimate_time_offset", estimate_time_offset, "correct the IMU's clock by comparing turns");
-  visitor.field("estimate_mounting", estimate_mounting, "estimate T_base_imu; it needs turns about all axes");
   visitor.field("use_recorded_odometry", use_recorded_odometry,
                 "the recording's own odometry (wheels) is a measurement of each step");
   visitor.field("deskew", deskew, "compensate motion within a sweep");
 }
 
-void Lio::save(ByteWriter& state) const {
+void ImuOdometry::save(ByteWriter& state) const {
   map_.save(state);
   stream_.save(state);
-  filter_.save(state);
+  estimator_->save(state);
   check_.save(state);
   state.put(inertial_);
   state.put(refused_);
@@ -37,10 +36,10 @@ void Lio::save(ByteWriter& state) const {
   state.put(said_);
 }
 
-void Lio::load(ByteReader& state) {
+void ImuOdometry::load(ByteReader& state) {
   map_.load(state);
   stream_.load(state);
-  filter_.load(state);
+  estimator_->load(state);
   check_.load(state);
   state.get(inertial_);
   state.get(refused_);

@@ -1,23 +1,23 @@
-// The inertial half of `lio`: start, prediction, what is watched and said.
+// The inertial half: start, prediction, what is watched and said.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "scslam/core/log.h"
-#include "scslam/odometry/frontends/lio/lio.h"
+#include "scslam/odometry/imu_odometry.h"
 
 namespace scslam {
 
 using Eigen::Vector3d;
 
-void Lio::say(Said what, const std::string& line) {
+void ImuOdometry::say(Said what, const std::string& line) {
   if (said_ & what) return;
   said_ |= what;
-  logWarn(context_.log, "lio: {}", line);
+  logWarn(context_.log, "{}: {}", name_, line);
   note_ += note_.empty() ? line : "; " + line;
 }
 
-void Lio::takeReadings(const Scan& scan) {
+void ImuOdometry::takeReadings(const Scan& scan) {
   stream_.add(scan.imu);
   if (inertial_ || refused_) return;
   if (scan.planar) {
@@ -35,11 +35,11 @@ void Lio::takeReadings(const Scan& scan) {
   if (start.usable) beginInertial(scan, start);
 }
 
-void Lio::beginInertial(const Scan& scan, const ImuStart& start) {
+void ImuOdometry::beginInertial(const Scan& scan, const ImuStart& start) {
   inertial_ = true;
   stream_.accel_scale = start.accel_scale;
   // The first scan may define odom, so it is made level; later, odom is what it is and gravity is found in it.
-  Pose T_odom_base = filter_.basePose();
+  Pose T_odom_base = estimator_->basePose();
   if (!map_.started()) {
     const Vector3d up_base = (scan.T_base_imu.linear() * start.accel).normalized();
     Pose level = Pose::Identity();
@@ -47,64 +47,61 @@ void Lio::beginInertial(const Scan& scan, const ImuStart& start) {
     T_odom_base = poseFromYaw(-yawOf(level), Vector3d::Zero()) * level;
   }
   const Vector3d up_odom = ((T_odom_base * scan.T_base_imu).linear() * start.accel).normalized();
-  const Vector3d v_base = speed_known_ ? Vector3d(T_odom_base.linear() * twist_.head<3>()) : Vector3d::Zero();
-  ImuFilter::Start sigma;
+  const Vector3d v_odom = speed_known_ ? Vector3d(T_odom_base.linear() * twist_.head<3>()) : Vector3d::Zero();
+  ImuEstimator::Start sigma;
   if (start.still) sigma.velocity_mps = 0.1;
   if (speed_known_) sigma.velocity_mps = 1;
   if (params_.estimate_mounting) sigma.mounting_m = 0.05, sigma.mounting_rad = 0.03;
-  filter_.begin(T_odom_base, scan.T_base_imu, -params_.gravity_m_s2 * up_odom, sigma);
-  ImuFilter::Vector moving = ImuFilter::Vector::Zero();
-  moving.segment<3>(ImuFilter::kV) = v_base;
-  filter_.apply(moving);
+  estimator_->begin(T_odom_base, scan.T_base_imu, -params_.gravity_m_s2 * up_odom, v_odom, sigma);
   // Force is gravity, and a rate is bias, only at rest; otherwise force is gravity but for what the robot does.
   const double accel_sigma = start.still ? 0.01 : 3.0;
   const double gyro_sigma = start.still ? 2e-3 : std::numeric_limits<double>::infinity();
-  filter_.measureRest(start.accel, accel_sigma, start.gyro, gyro_sigma);
+  estimator_->measureRest(start.accel, accel_sigma, start.gyro, gyro_sigma);
 }
 
-void Lio::stopInertial() {
+void ImuOdometry::stopInertial() {
   inertial_ = false, refused_ = true;
-  const Pose T_odom_base = filter_.basePose();
-  filter_.begin(T_odom_base, Pose::Identity(), {0, 0, -params_.gravity_m_s2}, {});
+  const Pose T_odom_base = estimator_->basePose();
+  estimator_->begin(T_odom_base, Pose::Identity(), {0, 0, -params_.gravity_m_s2}, Vector3d::Zero(), {});
 }
 
-void Lio::predict(const Scan& scan) {
-  filter_.cloneBase();
+void ImuOdometry::predict(const Scan& scan) {
+  estimator_->beginStep();
   const std::vector<ImuReading> readings = inertial_ ? stream_.between(stamp_, scan.stamp) : std::vector<ImuReading>();
   by_imu_ = !readings.empty();
   if (by_imu_) {
-    const ImuPreintegration imu(readings, filter_.bias(), params_.noise);
-    const Eigen::Matrix3d R_base_imu = filter_.mounting().linear();
+    const ImuPreintegration imu(readings, estimator_->bias(), params_.noise);
+    const Eigen::Matrix3d R_base_imu = estimator_->mounting().linear();
     gyro_turn_ = R_base_imu * so3Log(imu.motion().dR);
     rate_begin_ = R_base_imu * readings.front().gyro;
     rate_end_ = R_base_imu * readings.back().gyro;
-    filter_.predict(imu, params_.noise);
+    estimator_->predict(imu, params_.noise);
   } else {
     // Beyond a second nobody knows what the speed was.
     constexpr double kLongest = 1.0;
     const double dt = std::max(secondsBetween(stamp_, scan.stamp), 0.0);
-    filter_.predictAtSpeed(
+    estimator_->predictAtSpeed(
         speed_known_ ? (std::min(1.0, kLongest / std::max(dt, 1e-9)) * twist_).eval() : Vector6d::Zero().eval(), dt);
     if (inertial_ && dt > 0) note_ += fmt::format("{}no IMU for this step", note_.empty() ? "" : "; ");
   }
   stream_.forgetBefore(scan.stamp - (stampFromSeconds(0.2) - stampFromSeconds(0)));
 }
 
-SweepMotion Lio::sweepOf(const Scan& scan, double sweep_s) const {
+SweepMotion ImuOdometry::sweepOf(const Scan& scan, double sweep_s, const ImuEstimator& estimator) const {
   if (!params_.deskew || scan.deskewed || sweep_s <= 0) return {};
   if (inertial_) {
     const Stamp end = scan.stamp + (stampFromSeconds(sweep_s) - stampFromSeconds(0));
     const auto readings = stream_.between(scan.stamp, end);
     if (!readings.empty())
-      return sweepMotion(readings, filter_.nav(), filter_.bias(), filter_.gravity(), filter_.mounting());
+      return sweepMotion(readings, estimator.nav(), estimator.bias(), estimator.gravity(), estimator.mounting());
   }
-  const Pose T_step = T_previous_.inverse() * filter_.basePose();
+  const Pose T_step = T_previous_.inverse() * estimator.basePose();
   const double dt = secondsBetween(stamp_, scan.stamp);
   if (dt <= 1e-4 || dt > 2.0) return {};
   return sweepMotion(local(Pose::Identity(), T_step) / dt, sweep_s);
 }
 
-void Lio::watchImu(const Scan&, const Pose& T_previous_base) {
+void ImuOdometry::watchImu(const Scan&, const Pose& T_previous_base) {
   if (!inertial_ || !by_imu_) return;
   check_.add(gyro_turn_, so3Log(T_previous_base.linear()), rate_begin_, rate_end_);
   if (const std::string line = check_.disagreement(); !line.empty()) {

@@ -1,4 +1,4 @@
-#include "scslam/odometry/frontends/lio/lio.h"
+#include "scslam/odometry/imu_odometry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,13 +16,19 @@ constexpr double kFarPrecision = 0.75;                  // inliers among the mat
 
 }  // namespace
 
-Lio::Lio(const Params& params, const PluginContext& context)
-    : params_(params), context_(context), map_(params.map, context), stream_(params.max_imu_gap_s) {
+ImuOdometry::ImuOdometry(const Params& params, const PluginContext& context, std::unique_ptr<ImuEstimator> estimator,
+                         std::string name)
+    : params_(params),
+      context_(context),
+      name_(std::move(name)),
+      map_(params.map, context),
+      stream_(params.max_imu_gap_s),
+      estimator_(std::move(estimator)) {
   stream_.time_offset_s = params.imu_time_offset_s;
-  filter_.begin(Pose::Identity(), Pose::Identity(), {0, 0, -params.gravity_m_s2}, {});
+  estimator_->begin(Pose::Identity(), Pose::Identity(), {0, 0, -params.gravity_m_s2}, Eigen::Vector3d::Zero(), {});
 }
 
-OdometryStep Lio::step(const Scan& scan) {
+OdometryStep ImuOdometry::step(const Scan& scan) {
   OdometryStep out;
   note_.clear();
   out.cloud = map_.inRange(scan);
@@ -38,11 +44,11 @@ OdometryStep Lio::step(const Scan& scan) {
     T_recorded_ = scan.T_odom_base;
     const Cloud thin = map_.thin(out.cloud);
     Cloud compensated = thin;
-    const SweepMotion sweep = sweepOf(scan, sweepDuration(thin));
+    const SweepMotion sweep = sweepOf(scan, sweepDuration(thin), *estimator_);
     deskew(compensated, sweep);
     deskew(out.cloud, sweep);
-    map_.insert(compensated, filter_.basePose());
-    T_previous_ = out.T_odom_base = filter_.basePose();
+    map_.insert(compensated, estimator_->basePose());
+    T_previous_ = out.T_odom_base = estimator_->basePose();
     out.quality.note = note_;
     return out;
   }
@@ -62,20 +68,20 @@ OdometryStep Lio::step(const Scan& scan) {
          out);
     if (lost_ == patience()) {
       map_.restart();
-      map_.insert(found.thin, filter_.basePose());
+      map_.insert(found.thin, estimator_->basePose());
       lost_ = 0;
       out.quality.note += "; local map restarted";
     }
     return out;
   }
   accept(scan, found, out);
-  map_.insert(found.thin, filter_.basePose());
+  map_.insert(found.thin, estimator_->basePose());
   return out;
 }
 
 // ---- the fit ----
 
-void Lio::measureRecorded(const Scan& scan) {
+void ImuOdometry::measureRecorded(const Scan& scan) {
   if (!params_.use_recorded_odometry || !T_recorded_ || !scan.T_odom_base) return;
   const Pose T_step = T_recorded_->inverse() * *scan.T_odom_base;
   if (!isRigid(T_step)) return;
@@ -84,20 +90,20 @@ void Lio::measureRecorded(const Scan& scan) {
   const double sigma_rad = 0.03 + 0.2 * rotationAngle(T_step), sigma_up_m = 0.05 + 0.2 * T_step.translation().norm();
   Vector6d sigma;
   sigma << sigma_m, sigma_m, sigma_up_m, Eigen::Vector3d::Constant(sigma_rad);
-  filter_.measureStep(T_step, sigma.cwiseAbs2().cwiseInverse().asDiagonal());
+  estimator_->measureStep(T_step, sigma.cwiseAbs2().cwiseInverse().asDiagonal());
 }
 
-Lio::Fit Lio::fit(const Scan& scan, const Cloud& thin_raw) {
+ImuOdometry::Fit ImuOdometry::fit(const Scan& scan, const Cloud& thin_raw) {
   const double sweep_s = sweepDuration(thin_raw);
   if (!thin_raw.hasTime() && !scan.deskewed && params_.deskew && !scan.planar)
     say(kNoTimes,
         "the scans have no time per point: motion within a sweep is not compensated (sensor.model may give times)");
   Fit fit;
-  fit.sweep = sweepOf(scan, sweep_s);
+  fit.sweep = sweepOf(scan, sweep_s, *estimator_);
   fit.thin = thin_raw;
   deskew(fit.thin, fit.sweep);
-  const Pose T_predicted = filter_.basePose();
-  const Matrix6d information = speed_known_ || inertial_ ? filter_.baseInformation() : Matrix6d::Zero().eval();
+  const Pose T_predicted = estimator_->basePose();
+  const Matrix6d information = speed_known_ || inertial_ ? estimator_->poseInformation() : Matrix6d::Zero().eval();
   fit.match = map_.match(fit.thin, T_predicted, information);
   if (map_.share(fit.match) < kPoorShare || !speed_known_) fit.match = searchAbout(fit.thin, fit.match, fit.searched);
 
@@ -106,11 +112,9 @@ Lio::Fit Lio::fit(const Scan& scan, const Cloud& thin_raw) {
   const double dt = secondsBetween(stamp_, scan.stamp), share_of_sweep = dt > 0 ? sweep_s / dt : 0;
   if (share_of_sweep * correction.head<3>().norm() < 0.04 * map_.voxel() || map_.share(fit.match) < kLostShare)
     return fit;
-  ImuFilter settled = filter_;
-  settled.measurePose(fit.match.T_map_scan, fit.match.information);
-  std::swap(settled, filter_);
-  const SweepMotion sweep = sweepOf(scan, sweep_s);
-  std::swap(settled, filter_);
+  const auto settled = estimator_->clone();
+  settled->measurePose(fit.match.T_map_scan, fit.match.information);
+  const SweepMotion sweep = sweepOf(scan, sweep_s, *settled);
   if (sweep.poses.empty()) return fit;
   fit.sweep = sweep;
   fit.thin = thin_raw;
@@ -125,32 +129,32 @@ Lio::Fit Lio::fit(const Scan& scan, const Cloud& thin_raw) {
 }
 
 /// Looks around when the fit is poor: nearby, and when nothing near fits, farther the longer nothing did.
-MatchResult Lio::searchAbout(const Cloud& thin, const MatchResult& match, bool& searched) const {
+MatchResult ImuOdometry::searchAbout(const Cloud& thin, const MatchResult& match, bool& searched) const {
   const double coarse_m = 4 * map_.voxel();
-  const MatchResult near = map_.search(thin, filter_.basePose(), 3 * coarse_m, 0.3);
+  const MatchResult near = map_.search(thin, estimator_->basePose(), 3 * coarse_m, 0.3);
   MatchResult best = match;
   if (near.meanScore() > kNearBetter * match.meanScore()) best = near, searched = true;
   if (map_.share(best) >= kPoorShare || (inertial_ && by_imu_ && map_.share(best) >= kLostShare)) return best;
-  const MatchResult far = map_.search(thin, filter_.basePose(), 3 * coarse_m, M_PI);
+  const MatchResult far = map_.search(thin, estimator_->basePose(), 3 * coarse_m, M_PI);
   const bool precise = far.system.inliers >= kFarPrecision * far.system.matched;
   if (!precise || map_.share(far) < kFarShare || far.inlierRatio() < kFarBetter * best.inlierRatio()) return best;
   searched = true;
   return far;
 }
 
-int Lio::patience() const { return inertial_ && by_imu_ ? 50 : 5; }
+int ImuOdometry::patience() const { return inertial_ && by_imu_ ? 50 : 5; }
 
-Matrix6d Lio::reportedCovariance() const {
-  Matrix6d C = filter_.stepCovariance();
+Matrix6d ImuOdometry::reportedCovariance() const {
+  Matrix6d C = estimator_->stepCovariance();
   C.diagonal().array() += 1e-8;
   return C;
 }
 
-void Lio::accept(const Scan& scan, const Fit& fit, OdometryStep& out) {
+void ImuOdometry::accept(const Scan& scan, const Fit& fit, OdometryStep& out) {
   map_.note(fit.match);
   lost_ = 0;
-  filter_.measurePose(fit.match.T_map_scan, fit.match.information);
-  const Pose T_odom_base = filter_.basePose(), T_step = T_previous_.inverse() * T_odom_base;
+  estimator_->measurePose(fit.match.T_map_scan, fit.match.information);
+  const Pose T_odom_base = estimator_->basePose(), T_step = T_previous_.inverse() * T_odom_base;
   watchImu(scan, T_step);
   const double dt = secondsBetween(stamp_, scan.stamp);
   if (dt > 1e-4 && dt < 2.0) twist_ = local(Pose::Identity(), T_step) / dt;
@@ -169,8 +173,8 @@ void Lio::accept(const Scan& scan, const Fit& fit, OdometryStep& out) {
   T_previous_ = T_odom_base;
 }
 
-void Lio::lose(const Scan& scan, const std::string& why, OdometryStep& out) {
-  out.T_odom_base = filter_.basePose();
+void ImuOdometry::lose(const Scan& scan, const std::string& why, OdometryStep& out) {
+  out.T_odom_base = estimator_->basePose();
   if (map_.started()) {
     out.covariance = reportedCovariance();
     stamp_ = scan.stamp;
@@ -183,8 +187,5 @@ void Lio::lose(const Scan& scan, const std::string& why, OdometryStep& out) {
   out.quality.degenerate_axes = scan.planar ? 3 : 6;
   out.quality.note = note_.empty() ? why : why + "; " + note_;
 }
-
-SCSLAM_REGISTER(Odometry, Lio, "lio",
-                "LiDAR-inertial, FAST-LIO2 class: iterated Kalman filter, IMU deskew, point-to-plane on a voxel map")
 
 }  // namespace scslam
