@@ -134,7 +134,8 @@ TEST(Layout, NoFileIsLongerThan400Lines) {
 TEST(Plugins, NothingVanishedSilently) {
   EXPECT_EQ(Registry<ScanFormat>::instance().names(),
             (std::vector<std::string>{"clouds", "kitti", "mulran", "rawlog", "session"}));
-  EXPECT_EQ(Registry<Odometry>::instance().names(), (std::vector<std::string>{"poses", "voxel_icp"}));
+  EXPECT_EQ(Registry<Odometry>::instance().names(),
+            (std::vector<std::string>{"gicp", "lego", "loam", "poses", "voxel_icp"}));
   EXPECT_EQ(Registry<PlaceRecogniser>::instance().names(), (std::vector<std::string>{"scan_context"}));
   EXPECT_EQ(Registry<Registration>::instance().names(), (std::vector<std::string>{"voxel_planes"}));
   EXPECT_EQ(Registry<MapExporter>::instance().names(),
