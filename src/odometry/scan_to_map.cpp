@@ -10,7 +10,9 @@ namespace scslam {
 namespace {
 
 constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
-constexpr int kLostBeforeRestart = 5;
+constexpr int kMisfitsBeforeRestart = 5;
+constexpr int kAdriftAfter = 5;      // scans without a fit in a row, or
+constexpr double kAdriftAfterS = 2;  // so long without a scan: the prediction has no claim any more
 
 // Shares of the usual inlier ratio. A scan that looks into new country has few points on the map and yet fits: a poor
 // share is a reason to search, only a very poor one to give up, and a far place must fit nearly as well as usual.
@@ -50,13 +52,13 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
   const Guess guess = bestGuess(scan, prepared.raw[0]);
   Fit fit = fitScan(prepared, scan, guess);
   const bool jumped =
-      doubtful(fit.match, guess, scan.stamp) && searched(prepared.features, guess, fit.match, out.quality);
+      doubtful(fit.match, guess, scan.stamp) && searched(prepared.features, guess, scan.stamp, fit.match, out.quality);
   if (fit.deskewed) deskew(prepared.cloud, fit.twist);
   if (share(fit.match) < kLostShare) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
                                         fit.match.inlierRatio(), usual_inliers_);
     lose(scan, guess.T_odom_base, why, out);
-    if (lost_ == kLostBeforeRestart) restartMap(prepared.features, out.quality);
+    if (++misfits_ == kMisfitsBeforeRestart) restartMap(prepared.features, out.quality);
   } else {
     accept(scan, fit.match, jumped, out);
     insert(prepared.features, T_odom_base_);
@@ -238,10 +240,15 @@ double ScanToMap::share(const MatchResult& match) const {
   return usual_inliers_ > 0 ? match.inlierRatio() / usual_inliers_ : 1.0;
 }
 
+bool ScanToMap::adrift(const Guess& guess, Stamp stamp) const {
+  const double gap_s = secondsBetween(stamp_, stamp);
+  return !guess.recorded() && (lost_ >= kAdriftAfter || std::abs(gap_s) > std::max(kAdriftAfterS, 5 * step_s_));
+}
+
 bool ScanToMap::doubtful(const MatchResult& match, const Guess& guess, Stamp stamp) const {
   const Vector6d d = local(T_odom_base_ * predictedStep(stamp), match.T_map_scan);
   const bool surprising = d.head<3>().norm() > 2.0 * voxel_m_ || d.tail<3>().norm() > 0.2;
-  return !moving_known_ || (surprising && !guess.recorded()) || share(match) < kPoorShare;
+  return !moving_known_ || adrift(guess, stamp) || (surprising && !guess.recorded()) || share(match) < kPoorShare;
 }
 
 bool ScanToMap::outweighs(const MatchResult& found, const MatchResult& match, const Guess& guess) const {
@@ -255,16 +262,25 @@ bool ScanToMap::outweighs(const MatchResult& found, const MatchResult& match, co
   return gain > strain(found) - strain(match);
 }
 
-bool ScanToMap::searched(const Features& features, const Guess& guess, MatchResult& match,
+bool ScanToMap::searched(const Features& features, const Guess& guess, Stamp stamp, MatchResult& match,
                          OdometryQuality& quality) const {
   const MatchResult near = search(features, guess.T_odom_base, guess.recorded() ? Reach::kStep : Reach::kNear);
   if (near.meanScore() > kNearBetter * match.meanScore() && outweighs(near, match, guess)) match = near;
+  const auto precise = [](const MatchResult& m) { return m.system.inliers >= kFarPrecision * m.system.matched; };
+  if (adrift(guess, stamp)) {
+    // It may have gone on or stopped: the best fit about both places counts, not the first that is good enough.
+    for (const Pose& T_odom_base : {guess.T_odom_base, T_fitted_}) {
+      const MatchResult far = search(features, T_odom_base, Reach::kFar);
+      if (precise(far) && far.meanScore() > match.meanScore()) match = far;
+    }
+    quality.note = "looked for after a gap";
+    return true;
+  }
   // A planar scan sees half the room, and recorded odometry would know of a turn: there only a lost scan looks far
   // away.
   if (share(match) >= (planar_ || guess.recorded() ? kLostShare : kPoorShare)) return false;
   const MatchResult far = search(features, guess.T_odom_base, Reach::kFar);
-  const bool precise = far.system.inliers >= kFarPrecision * far.system.matched;
-  if (!precise || share(far) < kFarShare || far.inlierRatio() < kFarBetter * match.inlierRatio()) return false;
+  if (!precise(far) || share(far) < kFarShare || far.inlierRatio() < kFarBetter * match.inlierRatio()) return false;
   match = far;
   quality.note = "recovered by rotation search";
   return true;
@@ -273,8 +289,9 @@ bool ScanToMap::searched(const Features& features, const Guess& guess, MatchResu
 void ScanToMap::restartMap(const Features& features, OdometryQuality& quality) {
   clearMap();
   insert(features, T_odom_base_);
+  T_fitted_ = T_odom_base_;
   usual_inliers_ = 0;
-  lost_ = 0;
+  lost_ = misfits_ = 0;
   quality.note += "; local map restarted";
 }
 

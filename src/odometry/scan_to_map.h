@@ -104,11 +104,14 @@ class ScanToMap : public Odometry {
   MatchResult search(const Features& features, const Pose& T_odom_base_guess, Reach reach) const;
   /// Inlier ratio as a share of the usual one; 0 when there are too few.
   double share(const MatchResult& match) const;
+  /// Too long without a fit, or without a scan, to know where the robot might be.
+  bool adrift(const Guess& guess, Stamp stamp) const;
   bool doubtful(const MatchResult& match, const Guess& guess, Stamp stamp) const;
   /// Is the better fit of `found` worth its distance from recorded odometry?
   bool outweighs(const MatchResult& found, const MatchResult& match, const Guess& guess) const;
   /// Looks about the guess and, when nothing near fits, all around. @return the motion was found far from the guess.
-  bool searched(const Features& features, const Guess& guess, MatchResult& match, OdometryQuality& quality) const;
+  bool searched(const Features& features, const Guess& guess, Stamp stamp, MatchResult& match,
+                OdometryQuality& quality) const;
   void restartMap(const Features& features, OdometryQuality& quality);
 
   /// @param jumped the motion was found by a search: it says nothing about the velocity of the next step.
@@ -124,13 +127,15 @@ class ScanToMap : public Odometry {
   double voxel_m_ = 0;
   bool planar_ = false;
   Pose T_odom_base_ = Pose::Identity();
-  Pose T_step_ = Pose::Identity();  ///< last motion, T_previous_base
-  double step_s_ = 0;               ///< its duration; 0: unknown
-  bool moving_known_ = false;       ///< T_step_ was measured
+  Pose T_fitted_ = Pose::Identity();  ///< where the last scan was that fitted
+  Pose T_step_ = Pose::Identity();    ///< last motion, T_previous_base
+  double step_s_ = 0;                 ///< its duration; 0: unknown
+  bool moving_known_ = false;         ///< T_step_ was measured
   Stamp stamp_{};
   std::optional<Pose> T_recorded_;  ///< the recording's own pose at stamp_
   double usual_inliers_ = 0;        ///< running level of a good fit's inlier ratio
-  int lost_ = 0;                    ///< scans in a row without a fit
+  int lost_ = 0;                    ///< scans in a row that gave no motion
+  int misfits_ = 0;                 ///< of them, scans that were usable but fitted nowhere
   double deskew_evidence_ = 0;      ///< > 0: compensated scans fit better
   int deskew_trials_ = 0;
 };

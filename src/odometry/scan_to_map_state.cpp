@@ -18,14 +18,14 @@ void ScanToMapParams::describeShared(ParamVisitor& visitor) {
 void ScanToMap::accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out) {
   const double ratio = match.inlierRatio();
   usual_inliers_ = usual_inliers_ == 0 ? ratio : 0.9 * usual_inliers_ + 0.1 * ratio;
-  lost_ = 0;
+  lost_ = misfits_ = 0;
   const Pose T_previous_base = T_odom_base_.inverse() * match.T_map_scan;
   if (!jumped) {
     T_step_ = T_previous_base;
     step_s_ = secondsBetween(stamp_, scan.stamp);
     moving_known_ = true;
   }
-  T_odom_base_ = match.T_map_scan;
+  T_odom_base_ = T_fitted_ = match.T_map_scan;
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;
 
@@ -73,6 +73,7 @@ void ScanToMap::save(ByteWriter& state) const {
   state.put(voxel_m_);
   state.put(planar_);
   state.put(T_odom_base_);
+  state.put(T_fitted_);
   state.put(T_step_);
   state.put(step_s_);
   state.put(moving_known_);
@@ -81,6 +82,7 @@ void ScanToMap::save(ByteWriter& state) const {
   state.put(T_recorded_.value_or(Pose::Identity()));
   state.put(usual_inliers_);
   state.put(lost_);
+  state.put(misfits_);
   state.put(deskew_evidence_);
   state.put(deskew_trials_);
   state.put(map_.has_value());
@@ -91,6 +93,7 @@ void ScanToMap::load(ByteReader& state) {
   state.get(voxel_m_);
   state.get(planar_);
   state.get(T_odom_base_);
+  state.get(T_fitted_);
   state.get(T_step_);
   state.get(step_s_);
   state.get(moving_known_);
@@ -101,6 +104,7 @@ void ScanToMap::load(ByteReader& state) {
   T_recorded_ = recorded ? std::optional(T_recorded) : std::nullopt;
   state.get(usual_inliers_);
   state.get(lost_);
+  state.get(misfits_);
   state.get(deskew_evidence_);
   state.get(deskew_trials_);
   map_.reset();
