@@ -17,15 +17,20 @@ namespace scslam {
 namespace {
 
 /// Defaults, then the profile that fits the data, then files, then --set.
-SlamParams resolveParams(const RunOptions& options, bool planar, mrpt::system::COutputLogger& log) {
+SlamParams resolveParams(const RunOptions& options, const char* profile) {
   SlamParams params;
-  if (planar) {
-    loadConfig(params, "laser2d");
-    logInfo(log, "configuration: laser2d (the scans are planar)");
-  }
+  if (profile != nullptr) loadConfig(params, profile);
   for (const auto& config : options.configs) loadConfig(params, config);
   for (const auto& assignment : options.sets) setParam(params, assignment);
   return params;
+}
+
+/// The shipped configuration that fits the scans, nullptr for the defaults.
+const char* profileOf(const Scan& scan, mrpt::system::COutputLogger& log) {
+  if (!scan.planar) return nullptr;
+  const char* profile = scan.radar ? "radar" : "laser2d";
+  logInfo(log, "configuration: {} (the scans are {})", profile, scan.radar ? "of a radar" : "planar");
+  return profile;
 }
 
 SessionInfo describeSession(const RunOptions& options, const std::string& format, const SlamParams& params,
@@ -120,6 +125,7 @@ void loadPlugin(const std::string& library) {
 RunSummary runJob(const RunOptions& options, const PluginContext& context) {
   OpenOptions open;
   open.label = options.label;
+  open.radar = resolveParams(options, nullptr).radar.prefer;
   if (!options.sensor.empty()) open.sensor = loadSensorModel(options.sensor);
   const OpenedSource opened = openSource(options.input, context, open);
   logInfo(context.log, "input: {} ({}): {}", opened.format, opened.why, opened.source->description());
@@ -129,10 +135,10 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context) {
 RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanSource& source,
                   const std::string& format) {
   const auto start = std::chrono::steady_clock::now();
-  const SlamParams params = resolveParams(options, source.planar(), context.log);
   if (options.skip > 0) source.skip(options.skip);
   std::optional<Scan> first = source.next();
   if (!first) throw inputError("{} holds no scans{}", options.input, options.skip > 0 ? " after those skipped" : "");
+  const SlamParams params = resolveParams(options, profileOf(*first, context.log));
 
   const SessionInfo info = describeSession(options, format, params, *first);
   RecoveredSession recovered;

@@ -10,9 +10,10 @@ Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter
     : params_(params),
       context_(context),
       session_(session),
+      radar_points_(params.radar, context),
       odometry_(params.odometry.frontend.create(context)),
       selector_(params.keyframe),
-      loops_(params, context),
+      loops_(params, context, T_base_sensor),
       ledger_(params.graph),
       satellites_(params.graph.gnss),
       clouds_(session.folder(), static_cast<std::size_t>(params.session.cloud_cache_mb * 1e6),
@@ -33,6 +34,7 @@ void Slam::process(Scan scan) {
   const auto start = std::chrono::steady_clock::now();
   {
     const StageTimer timer(times_, Stage::kPreprocess);
+    if (scan.radar) takePoints(scan);
     preprocess(scan, params_.preprocess);
   }
   OdometryStep step;
@@ -62,6 +64,12 @@ bool Slam::inOrder(const Scan& scan) {
   }
   last_stamp_ = scan.stamp;
   return true;
+}
+
+void Slam::takePoints(Scan& sweep) {
+  std::string note;
+  sweep.cloud = radar_points_(*sweep.radar, note);
+  if (!note.empty()) say(fmt::format("scan {}: {}", sweep.index, note));
 }
 
 void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {

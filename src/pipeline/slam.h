@@ -44,6 +44,7 @@ class Slam {
 
  private:
   bool inOrder(const Scan& scan);
+  void takePoints(Scan& sweep);
   void addKeyframe(const Scan& scan, const OdometryStep& step);
   void closeLoops();
   void collectFixes(const Scan& scan, const OdometryStep& step);
@@ -53,6 +54,7 @@ class Slam {
   SlamParams params_;
   PluginContext context_;
   SessionWriter& session_;
+  RadarPoints radar_points_;
   std::unique_ptr<Odometry> odometry_;
   KeyframeSelector selector_;
   LoopCloser loops_;

@@ -42,6 +42,7 @@ void SessionParams::describe(ParamVisitor& v) {
 }
 
 void SlamParams::describe(ParamVisitor& v) {
+  v.group("radar", radar, "from a radar's power image to points");
   v.group("preprocess", preprocess, "what is done to a scan before anything else");
   v.group("odometry", odometry, "how did the robot move since the last scan");
   v.group("keyframe", keyframe, "when a scan becomes a place");

@@ -11,6 +11,7 @@
 #include "scslam/registration/loop_gates.h"
 #include "scslam/registration/registration.h"
 #include "scslam/sensor/preprocess.h"
+#include "scslam/sensor/radar_points.h"
 
 namespace scslam {
 
@@ -65,6 +66,7 @@ struct SessionParams : ParamSetOf<SessionParams> {
 };
 
 struct SlamParams : ParamSetOf<SlamParams> {
+  RadarParams radar;
   PreprocessParams preprocess;
   OdometryParams odometry;
   KeyframeParams keyframe;
