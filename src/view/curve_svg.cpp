@@ -103,8 +103,8 @@ std::string barPanels(const PlaceReport& report) {
     const bool all_offsets = c.from_m == 0 && c.to_m == end;
     return c.heading_deg < 0 && !all_offsets ? fmt::format("{:g}–{:.3g} m", c.from_m, c.to_m) : std::string();
   });
-  return bars(kHeadings, headings, "recall by heading difference") +
-         bars(kOffsets, offsets, "recall by lateral offset");
+  return bars(kHeadings, headings, fmt::format("recall by heading difference (within {:.3g} m)", end)) +
+         bars(kOffsets, offsets, "recall by lateral offset (pale: @1, full: precision 1)");
 }
 
 std::string legend(const PlaceReport& report) {
@@ -138,11 +138,9 @@ std::string placesSvg(const PlaceReport& report) {
       "text.label{{font-size:11.5px;fill:#57606a}}.label text{{font-size:11.5px;fill:#57606a}}</style>\n"
       "<rect width='900' height='{0:.0f}' fill='white'/>\n"
       "<text x='64' y='30' class='title'>{1}</text>\n<text x='64' y='50' fill='#57606a'>{2} keyframes from {3}; same "
-      "place: within {4:g} m, {6:g} m of way between</text>\n"
-      "<text x='530' y='50' fill='#57606a'>pale: recall@1, full: at precision 1 (within {5:g} m)</text>\n",
+      "place: within {4:g} m, {5:g} m of way between</text>\n",
       height, escapedXml(report.input), report.keyframes, escapedXml(report.keyframes_from),
-      report.options.revisit_radius_m, std::max(report.options.split_radius_m, report.options.revisit_radius_m),
-      report.options.min_travel_m);
+      report.options.revisit_radius_m, report.options.min_travel_m);
   svg += plot.grid("recall", "precision");
   for (std::size_t v = 0; v < report.variants.size(); ++v) svg += curveOf(plot, report.variants[v].figures, colour(v));
   return svg + barPanels(report) + legend(report) + "</svg>\n";
