@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "radar_fixtures.h"
 #include "scslam/core/mrpt_pose.h"
 #include "scslam/core/pcd.h"
 #include "scslam/core/trajectory.h"
 #include "scslam/sensor/scan_source.h"
-#include "radar_fixtures.h"
 #include "support/support.h"
 
 namespace scslam::test {
