@@ -13,7 +13,7 @@ Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter
       radar_points_(params.radar, context),
       odometry_(params.odometry.frontend.create(context)),
       selector_(params.keyframe),
-      loops_(params, context),
+      loops_(params, context, T_base_sensor),
       ledger_(params.graph),
       satellites_(params.graph.gnss),
       clouds_(session.folder(), static_cast<std::size_t>(params.session.cloud_cache_mb * 1e6),

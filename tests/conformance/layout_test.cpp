@@ -138,8 +138,10 @@ TEST(Plugins, NothingVanishedSilently) {
                                       "session"}));
   EXPECT_EQ(Registry<RadarExtractor>::instance().names(),
             (std::vector<std::string>{"bfar", "ca_cfar", "cen2018", "cen2019", "k_strongest", "os_cfar"}));
-  EXPECT_EQ(Registry<Odometry>::instance().names(), (std::vector<std::string>{"poses", "voxel_icp"}));
-  EXPECT_EQ(Registry<PlaceRecogniser>::instance().names(), (std::vector<std::string>{"scan_context"}));
+  EXPECT_EQ(Registry<Odometry>::instance().names(),
+            (std::vector<std::string>{"gicp", "lio", "loam", "poses", "voxel_icp"}));
+  EXPECT_EQ(Registry<PlaceRecogniser>::instance().names(),
+            (std::vector<std::string>{"cart_context", "radius", "scan_context"}));
   EXPECT_EQ(Registry<Registration>::instance().names(), (std::vector<std::string>{"voxel_planes"}));
   EXPECT_EQ(Registry<MapExporter>::instance().names(),
             (std::vector<std::string>{"g2o", "kitti", "octomap", "pcd", "ply", "tum"}));

@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(FrontEnds, OdometryConformance, ::testing::ValuesIn(Reg
                          [](const auto& tested) { return tested.param; });
 
 TEST(OdometryRegistry, HoldsTheFrontEndsThatAreShipped) {
-  EXPECT_EQ(Registry<Odometry>::instance().names(), (std::vector<std::string>{"poses", "voxel_icp"}));
+  EXPECT_EQ(Registry<Odometry>::instance().names(), (std::vector<std::string>{"lio", "poses", "voxel_icp"}));
 }
 
 }  // namespace
