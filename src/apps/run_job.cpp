@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scslam/apps/input_digest.h"
+#include "scslam/apps/motion_scale.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
 #include "scslam/core/progress.h"
@@ -81,9 +82,31 @@ std::string metricsJson(const RunSummary& s, int threads) {
   return json.dump(2) + "\n";
 }
 
+/// Watches the scale of a radar's motion (motion_scale.h).
+class ScaleWatch {
+ public:
+  void add(const Scan& scan) {
+    if (!scan.radar) return;
+    resolution_m_ = scan.radar->range_resolution_m;
+    reference_.add(scan);
+  }
+  /// The complaint, empty when all is well or nothing can be said. @param session that was finished.
+  std::string verdict(const std::filesystem::path& session, const std::optional<Trajectory>& truth) const {
+    std::string source;
+    const auto reference = resolution_m_ > 0 ? reference_.trajectory(truth, source) : std::nullopt;
+    if (!reference) return "";
+    const auto scale = motionScale(readTrajectory(session / "odometry.tum"), *reference);
+    return scale ? scaleComplaint(*scale, resolution_m_, source) : "";
+  }
+
+ private:
+  double resolution_m_ = 0;
+  MotionReference reference_;
+};
+
 /// Runs scans through the pipeline until the source, the user or damage ends it.
 void drive(Slam& slam, ScanSource& source, std::optional<Scan> first, std::size_t taken, const RunOptions& options,
-           RunSummary& summary) {
+           RunSummary& summary, ScaleWatch& scale) {
   std::optional<std::size_t> total = source.size();
   if (total) total = *total - std::min(*total, options.skip);
   if (options.max) total = total ? std::min(*total, *options.max) : *options.max;
@@ -103,6 +126,7 @@ void drive(Slam& slam, ScanSource& source, std::optional<Scan> first, std::size_
       }
       if (!begin) begin = first->stamp;
       end = first->stamp;
+      scale.add(*first);
       slam.process(std::move(*first));
       first.reset();
       progress.update(++taken);
@@ -156,7 +180,8 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanS
   }
 
   RunSummary summary;
-  drive(slam, source, std::move(first), taken, options, summary);
+  ScaleWatch scale;
+  drive(slam, source, std::move(first), taken, options, summary, scale);
   if (summary.end == SessionEnd::kStopped) slam.checkpoint();
   slam.finish(summary.end);
   summary.counts = slam.counts();
@@ -164,6 +189,9 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanS
   summary.session = options.output;
   summary.ground_truth = source.groundTruth();
   summary.T_base_reference = source.T_base_reference();
+  if (params.odometry.frontend.name != "poses" && summary.counts.scans > 0)
+    summary.warning = scale.verdict(options.output, summary.ground_truth);
+  if (!summary.warning.empty()) logWarn(context.log, "{}", summary.warning);
   summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.peak_rss_mb = peakRssMb();
   summary.ms_per_scan_median = percentile(summary.times.scan_ms, 0.5);

@@ -32,6 +32,14 @@ void append(Cloud& cloud, const RadarScan& scan, const Chunk& chunk) {
   }
 }
 
+/// Two neighbouring peaks may have been refined to one place: the first stays.
+void keepRising(std::vector<RadarDetection>& detections, std::size_t from) {
+  std::size_t kept = from;
+  for (std::size_t i = from; i < detections.size(); ++i)
+    if (kept == from || detections[i].position > detections[kept - 1].position) detections[kept++] = detections[i];
+  detections.resize(kept);
+}
+
 /// Middle of the run of equal bins around `at`.
 float middleOfRun(std::span<const std::uint8_t> row, std::size_t at) {
   std::size_t first = at, last = at;
@@ -79,7 +87,7 @@ RadarDetection refinedPeak(std::span<const std::uint8_t> row, std::size_t at, st
     const double b = static_cast<double>(xy) / static_cast<double>(x2),
                  c = static_cast<double>(curvature) / determinant;
     const double vertex = -b / (2 * c);
-    if (std::abs(vertex) <= static_cast<double>(reach))
+    if (std::abs(vertex) <= std::max(1.0, 0.5 * static_cast<double>(reach)))
       return {static_cast<float>(static_cast<double>(centre) + 0.5 + vertex), static_cast<float>(row[at])};
   }
   return {middle, static_cast<float>(row[at])};
@@ -110,6 +118,7 @@ Cloud radarCloud(const RadarScan& scan, ThreadPool& threads,
       if (scan.valid[azimuth] == 0 || !std::isfinite(scan.angles[azimuth])) continue;
       const std::size_t before = chunk.detections.size();
       detect(azimuth, chunk.detections);
+      keepRising(chunk.detections, before);
       chunk.rows.push_back({azimuth, chunk.detections.size() - before});
     }
   });

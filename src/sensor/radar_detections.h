@@ -35,7 +35,7 @@ struct RadarWindowParams {
 
 /// Where a peak around bin `at` really is: vertex of the parabola of least squares through the bins within half_width
 /// (an echo of Gaussian shape is one in a logarithmic receiver); the middle of the run of bins as high as `at` where
-/// the fit has no maximum within half_width. A row's ends shorten the window on both sides.
+/// the fit has no maximum within half of half_width. A row's ends shorten the window on both sides.
 RadarDetection refinedPeak(std::span<const std::uint8_t> row, std::size_t at, std::size_t half_width);
 
 /// Bins of [begin, end) that are at least `floor` and higher than all bins within half_width before, not lower than
@@ -44,7 +44,8 @@ void findPeaks(std::span<const std::uint8_t> row, const RadarWindowParams::Bins&
                std::vector<std::size_t>& peaks);
 
 /// Runs detect(azimuth, detections) for each valid row, in parallel, and makes points of what was found: sensor frame,
-/// z = 0, azimuth by azimuth in the order of the row's detections (outwards), intensity = power, ring = azimuth,
+/// z = 0, azimuth by azimuth in the order of the row's detections (outwards; one that does not lie farther than the one
+/// before is left out), intensity = power, ring = azimuth,
 /// dt = seconds after the first azimuth's stamp.
 Cloud radarCloud(const RadarScan& scan, ThreadPool& threads,
                  const std::function<void(std::size_t azimuth, std::vector<RadarDetection>& detections)>& detect);

@@ -8,7 +8,7 @@ namespace scslam {
 
 struct RadarFilterParams : ParamSetOf<RadarFilterParams> {
   bool enabled = true;
-  double streak_rise = 12;      ///< [grey levels]
+  double streak_rise = 25;      ///< [grey levels]
   double streak_contrast = 30;  ///< [grey levels]
   double most_median = 128;     ///< [grey levels]
   int multipath_order = 3;

@@ -23,7 +23,8 @@ Cloud RadarPoints::operator()(const RadarScan& sweep, std::string& note) const {
   note.clear();
   const auto add = [&note](const std::string& text) { note += (note.empty() ? "" : ", ") + text; };
   if (lost != 0) add(fmt::format("{} of {} azimuths not measured", lost, sweep.azimuths));
-  if (report.raised_azimuths != 0) add(fmt::format("{} azimuths with saturation streaks", report.raised_azimuths));
+  if (report.raised_azimuths > sweep.azimuths / 20)  // a strong echo raises its own
+    add(fmt::format("{} azimuths with saturation streaks", report.raised_azimuths));
   if (nothing) add("no echo in it");
   return cloud;
 }

@@ -11,21 +11,51 @@
 namespace scslam {
 namespace {
 
-/// sum_t taps[t] * in[i + t] for i < n. @param in has n + taps - 1 values.
+constexpr std::size_t kLanes = 8, kBlock = 4 * kLanes;  // four vectors of sums stay in registers
+
+/// sum_t taps[t] * in[i + t] for i < n. @param in has n + tap_count - 1 values, and room for kBlock more.
 SCSLAM_KERNEL void correlate(const float* in, std::size_t n, const float* taps, std::size_t tap_count, float* out) {
-  constexpr std::size_t kBlock = 64;  // stays in registers
   for (std::size_t begin = 0; begin < n; begin += kBlock) {
-    float sum[kBlock] = {};
-    const std::size_t count = std::min(kBlock, n - begin);
-    if (count == kBlock) {
-      for (std::size_t t = 0; t < tap_count; ++t)
-        for (std::size_t i = 0; i < kBlock; ++i) sum[i] += taps[t] * in[begin + t + i];
-    } else {
-      for (std::size_t t = 0; t < tap_count; ++t)
-        for (std::size_t i = 0; i < count; ++i) sum[i] += taps[t] * in[begin + t + i];
+    float a[kLanes] = {}, b[kLanes] = {}, c[kLanes] = {}, d[kLanes] = {};
+    for (std::size_t t = 0; t < tap_count; ++t) {
+      const float tap = taps[t];
+      const float* from = in + begin + t;
+      for (std::size_t k = 0; k < kLanes; ++k) a[k] += tap * from[k];
+      for (std::size_t k = 0; k < kLanes; ++k) b[k] += tap * from[k + kLanes];
+      for (std::size_t k = 0; k < kLanes; ++k) c[k] += tap * from[k + 2 * kLanes];
+      for (std::size_t k = 0; k < kLanes; ++k) d[k] += tap * from[k + 3 * kLanes];
     }
-    std::copy(sum, sum + count, out + begin);
+    float* to = out + begin;
+    for (std::size_t k = 0; k < kLanes; ++k)
+      to[k] = a[k], to[k + kLanes] = b[k], to[k + 2 * kLanes] = c[k], to[k + 3 * kLanes] = d[k];
   }
+}
+
+SCSLAM_KERNEL void lessMean(const std::uint8_t* __restrict values, std::size_t n, float mean, float* __restrict out) {
+  const std::size_t whole = n - n % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) out[i + k] = static_cast<float>(values[i + k]) - mean;
+  for (std::size_t i = whole; i < n; ++i) out[i] = static_cast<float>(values[i]) - mean;
+}
+
+/// Number, sum and sum of squares of the values below `limit`.
+struct Moments {
+  std::uint32_t count = 0, sum = 0, squares = 0;
+};
+SCSLAM_KERNEL Moments momentsBelow(const std::uint8_t* values, std::size_t n, int limit) {
+  constexpr std::size_t kWide = 16;
+  std::uint32_t count[kWide] = {}, sum[kWide] = {}, squares[kWide] = {};
+  const std::size_t whole = n - n % kWide;
+  for (std::size_t i = 0; i < whole; i += kWide)
+    for (std::size_t k = 0; k < kWide; ++k) {
+      const std::uint32_t value = values[i + k], below = static_cast<int>(value) < limit ? 1 : 0;
+      count[k] += below, sum[k] += below * value, squares[k] += below * value * value;
+    }
+  Moments m;
+  for (std::size_t k = 0; k < kWide; ++k) m.count += count[k], m.sum += sum[k], m.squares += squares[k];
+  for (std::size_t i = whole; i < n; ++i)
+    if (values[i] < limit) ++m.count, m.sum += values[i], m.squares += std::uint32_t{values[i]} * values[i];
+  return m;
 }
 
 class Cen2018 final : public RadarExtractor {
@@ -68,22 +98,18 @@ class Cen2018 final : public RadarExtractor {
 
   /// The row less its mean, mirrored at both ends by `reach` values. @return sigma of its noise.
   static float unbiased(std::span<const std::uint8_t> row, std::size_t reach, std::vector<float>& q) {
-    std::uint64_t total = 0;
-    for (const std::uint8_t power : row) total += power;
-    const float mean = static_cast<float>(total) / static_cast<float>(row.size());
-    q.resize(row.size() + 2 * reach);
-    double squares = 0;
-    std::size_t negative = 0;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const float value = static_cast<float>(row[i]) - mean;
-      q[reach + i] = value;
-      if (value < 0) squares += static_cast<double>(value * value), ++negative;
-    }
+    const Moments all = momentsBelow(row.data(), row.size(), 256);
+    const double mean = static_cast<double>(all.sum) / static_cast<double>(row.size());
+    q.resize(row.size() + 2 * reach + kBlock);
+    lessMean(row.data(), row.size(), static_cast<float>(mean), q.data() + reach);
     for (std::size_t i = 0; i < reach; ++i) {
       q[reach - 1 - i] = q[reach + std::min(i, row.size() - 1)];
       q[reach + row.size() + i] = q[reach + row.size() - 1 - std::min(i, row.size() - 1)];
     }
-    return negative == 0 ? 0 : static_cast<float>(std::sqrt(2 * squares / static_cast<double>(negative)));
+    const Moments low = momentsBelow(row.data(), row.size(), static_cast<int>(std::ceil(mean)));
+    if (low.count == 0) return 0;
+    const double n = low.count, squares = low.squares - 2 * mean * low.sum + n * mean * mean;
+    return static_cast<float>(std::sqrt(2 * squares / n));
   }
 
   void detect(std::span<const std::uint8_t> row, const RadarWindowParams::Bins& bins, const std::vector<float>& taps,
@@ -92,7 +118,7 @@ class Cen2018 final : public RadarExtractor {
     const std::size_t n = bins.end - bins.begin, reach = taps.size() / 2;
     const float sigma = unbiased(row.subspan(bins.begin, n), reach, q);
     if (!(sigma > 0)) return;  // nothing varies
-    p.resize(n);
+    p.resize(n + kBlock);
     correlate(q.data(), n, taps.data(), taps.size(), p.data());
     const float threshold = static_cast<float>(params_.z_score) * sigma;
     // y <= max(q, p) + |p| exp(-p^2 / 2 sigma^2) <= max(q, p) + 0.61 sigma: most bins need no exponential.

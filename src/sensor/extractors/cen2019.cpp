@@ -5,8 +5,11 @@
 // runs are ranked by their best h, no bins are sorted. (Known code grows while s < 0, which yields single bins.)
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <functional>
 
+#include "scslam/core/simd.h"
 #include "scslam/sensor/radar_detections.h"
 #include "scslam/sensor/radar_extractor.h"
 
@@ -14,10 +17,13 @@ namespace scslam {
 namespace {
 
 struct Region {
-  std::size_t azimuth = 0, begin = 0, end = 0;  ///< bins [begin, end) of a row
-  std::size_t best = 0;                         ///< bin of the greatest h
+  std::uint32_t begin = 0, end = 0;  ///< bins [begin, end) of a row
+  std::uint32_t best = 0;            ///< bin of the greatest h
   float h = 0;
 };
+using Rows = std::vector<std::vector<Region>>;  ///< per azimuth, outwards
+
+constexpr std::size_t kLanes = 16;
 
 /// Sums and extremes of a row that the whole image needs.
 struct RowFigures {
@@ -26,14 +32,45 @@ struct RowFigures {
   double h = 0;
 };
 
-int steepness(std::span<const std::uint8_t> row, std::size_t bin) {
-  return std::abs(static_cast<int>(row[bin + 1]) - static_cast<int>(row[bin - 1]));
+int steepness(const std::uint8_t* bin) { return std::abs(static_cast<int>(bin[1]) - static_cast<int>(bin[-1])); }
+
+/// @param row n bins with a neighbour before the first and behind the last.
+SCSLAM_KERNEL RowFigures figuresOf(const std::uint8_t* row, std::size_t n) {
+  std::uint32_t power[kLanes] = {};
+  int steepest[kLanes] = {};
+  const std::size_t whole = n - n % kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      power[k] += row[i + k];
+      steepest[k] = std::max(steepest[k], steepness(row + i + k));
+    }
+  RowFigures f;
+  for (std::size_t k = 0; k < kLanes; ++k) f.power += power[k], f.steepest = std::max(f.steepest, steepest[k]);
+  for (std::size_t i = whole; i < n; ++i) f.power += row[i], f.steepest = std::max(f.steepest, steepness(row + i));
+  return f;
+}
+
+/// h of n bins. Where n is no multiple of kLanes, there must be room in both up to the next one. @return sum of all h.
+SCSLAM_KERNEL double rankBins(const std::uint8_t* __restrict row, std::size_t n, float mean, float per_step,
+                              float* __restrict h) {
+  float sum[kLanes] = {};
+  const std::size_t whole = n - n % kLanes;
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k)
+      h[i + k] = (static_cast<float>(row[i + k]) - mean) * (1 - per_step * static_cast<float>(steepness(row + i + k)));
+    if (i < whole)
+      for (std::size_t k = 0; k < kLanes; ++k) sum[k] += h[i + k];
+  }
+  double total = 0;
+  for (std::size_t k = 0; k < kLanes; ++k) total += static_cast<double>(sum[k]);
+  for (std::size_t i = whole; i < n; ++i) total += static_cast<double>(h[i]);
+  return total;
 }
 
 class Cen2019 final : public RadarExtractor {
  public:
   struct Params : ParamSetOf<Params>, RadarWindowParams {
-    int max_regions = 10000;
+    int max_regions = 2000;
     void describe(ParamVisitor& v) override {
       v.field("max_regions", max_regions, "l_max: at most so many regions a sweep are grown", 1, 10'000'000);
       describeWindow(v);
@@ -46,7 +83,7 @@ class Cen2019 final : public RadarExtractor {
     bins.begin = std::max<std::size_t>(bins.begin, 1),
     bins.end = std::min(bins.end, scan.bins - std::min<std::size_t>(1, scan.bins));
     if (bins.end <= bins.begin || !scan.consistent()) return {};
-    const std::vector<std::vector<Region>> regions = connected(strongest(regionsOf(scan, bins), scan.azimuths));
+    const Rows regions = connected(strongest(regionsOf(scan, bins)));
     return radarCloud(scan, threads_, [&](std::size_t azimuth, std::vector<RadarDetection>& detections) {
       for (const Region& region : regions[azimuth])
         detections.push_back(refinedPeak(scan.row(azimuth), peakOf(scan.row(azimuth), region, bins), bins.half_width));
@@ -65,15 +102,10 @@ class Cen2019 final : public RadarExtractor {
   }
 
   /// All runs of bins with s >= 0 whose best h is above the mean of h.
-  std::vector<Region> regionsOf(const RadarScan& scan, const RadarWindowParams::Bins& bins) const {
+  Rows regionsOf(const RadarScan& scan, const RadarWindowParams::Bins& bins) const {
     std::vector<RowFigures> figures(scan.azimuths);
     forEachRow(scan, [&](std::size_t azimuth) {
-      const auto row = scan.row(azimuth);
-      RowFigures& f = figures[azimuth];
-      for (std::size_t i = bins.begin; i < bins.end; ++i) {
-        f.power += row[i];
-        f.steepest = std::max(f.steepest, steepness(row, i));
-      }
+      figures[azimuth] = figuresOf(scan.row(azimuth).data() + bins.begin, bins.end - bins.begin);
     });
     std::uint64_t power = 0, rows = 0;
     int steepest = 1;
@@ -81,68 +113,65 @@ class Cen2019 final : public RadarExtractor {
       power += figures[azimuth].power, rows += scan.valid[azimuth] != 0;
       steepest = std::max(steepest, figures[azimuth].steepest);
     }
-    if (rows == 0 || power == 0) return {};
+    Rows regions(scan.azimuths);
+    if (rows == 0 || power == 0) return regions;
     const auto cells = static_cast<double>(rows * (bins.end - bins.begin));
     const auto mean = static_cast<float>(static_cast<double>(power) / cells);
-    std::vector<std::vector<Region>> runs(scan.azimuths);
     const float per_step = 1 / static_cast<float>(steepest);
     forEachRow(scan, [&](std::size_t azimuth) {
-      figures[azimuth].h = runsOf(scan.row(azimuth), azimuth, bins, mean, per_step, runs[azimuth]);
+      figures[azimuth].h = runsOf(scan.row(azimuth), bins, mean, per_step, regions[azimuth]);
     });
     double h = 0;
     for (const RowFigures& f : figures) h += f.h;
-    std::vector<Region> regions;
-    for (const auto& row : runs)
-      std::copy_if(row.begin(), row.end(), std::back_inserter(regions),
-                   [&](const Region& region) { return static_cast<double>(region.h) > h / cells; });
+    for (auto& row : regions)
+      std::erase_if(row, [&](const Region& region) { return static_cast<double>(region.h) <= h / cells; });
     return regions;
   }
 
   /// @return sum of h over the row.
-  static double runsOf(std::span<const std::uint8_t> row, std::size_t azimuth, const RadarWindowParams::Bins& bins,
-                       float mean, float per_step, std::vector<Region>& runs) {
-    float sum = 0;
-    bool inside = false;
-    for (std::size_t i = bins.begin; i < bins.end; ++i) {
-      const float s = static_cast<float>(row[i]) - mean;
-      const float h = s * (1 - per_step * static_cast<float>(steepness(row, i)));
-      sum += h;
-      if (s < 0) {
-        inside = false;
-      } else if (!inside) {
-        runs.push_back({azimuth, i, i + 1, i, h});
-        inside = true;
-      } else {
-        Region& run = runs.back();
-        run.end = i + 1;
-        if (h > run.h) run.h = h, run.best = i;
-      }
+  static double runsOf(std::span<const std::uint8_t> row, const RadarWindowParams::Bins& bins, float mean,
+                       float per_step, std::vector<Region>& runs) {
+    thread_local std::vector<float> h;
+    thread_local std::vector<std::uint8_t> padded;
+    const std::size_t n = bins.end - bins.begin;
+    padded.assign(row.begin() + static_cast<std::ptrdiff_t>(bins.begin) - 1,
+                  row.begin() + static_cast<std::ptrdiff_t>(bins.end) + 1);
+    padded.resize(n + 2 + kLanes);
+    h.resize(n + kLanes);
+    const double sum = rankBins(padded.data() + 1, n, mean, per_step, h.data());
+    const auto least = static_cast<std::uint8_t>(std::min(255.0F, std::ceil(mean)));  // s >= 0
+    const auto at = [&bins](std::size_t i) { return static_cast<std::uint32_t>(bins.begin + i); };
+    for (std::size_t i = 0; i < n; ++i) {
+      if (padded[i + 1] < least) continue;
+      Region run{at(i), 0, at(i), h[i]};
+      for (; i < n && padded[i + 1] >= least; ++i)
+        if (h[i] > run.h) run.h = h[i], run.best = at(i);
+      run.end = at(i);
+      runs.push_back(run);
     }
-    return static_cast<double>(sum);
+    return sum;
   }
 
-  /// The max_regions best, row by row and outwards.
-  std::vector<std::vector<Region>> strongest(std::vector<Region> regions, std::size_t azimuths) const {
+  /// The max_regions best; of equally good ones the first.
+  Rows strongest(Rows rows) const {
     const auto most = static_cast<std::size_t>(params_.max_regions);
-    const auto before = [](const Region& a, const Region& b) {
-      if (a.h != b.h) return a.h > b.h;
-      return a.azimuth != b.azimuth ? a.azimuth < b.azimuth : a.begin < b.begin;
-    };
-    if (regions.size() > most) {
-      std::nth_element(regions.begin(), regions.begin() + params_.max_regions, regions.end(), before);
-      regions.resize(most);
-      std::sort(regions.begin(), regions.end(), [](const Region& a, const Region& b) {
-        return a.azimuth != b.azimuth ? a.azimuth < b.azimuth : a.begin < b.begin;
-      });
-    }
-    std::vector<std::vector<Region>> rows(azimuths);
-    for (const Region& region : regions) rows[region.azimuth].push_back(region);
+    std::vector<float> h;
+    for (const auto& row : rows)
+      for (const Region& region : row) h.push_back(region.h);
+    if (h.size() <= most) return rows;
+    std::nth_element(h.begin(), h.begin() + params_.max_regions - 1, h.end(), std::greater<>());
+    const float least = h[most - 1];
+    // How many of those that are exactly as good as the least have room.
+    auto room = static_cast<std::ptrdiff_t>(most) -
+                std::count_if(h.begin(), h.end(), [least](float other) { return other > least; });
+    for (auto& row : rows)
+      std::erase_if(row, [&](const Region& r) { return r.h < least || (r.h == least && room-- <= 0); });
     return rows;
   }
 
   /// Those that share a bin of range with one of the azimuths beside theirs; the last lies beside the first.
-  static std::vector<std::vector<Region>> connected(const std::vector<std::vector<Region>>& rows) {
-    std::vector<std::vector<Region>> kept(rows.size());
+  static Rows connected(const Rows& rows) {
+    Rows kept(rows.size());
     const auto touches = [&](const Region& region, std::size_t azimuth) {
       const auto& other = rows[azimuth];
       const auto behind =
@@ -159,9 +188,10 @@ class Cen2019 final : public RadarExtractor {
   /// h is greatest where the echo is flat: near its top, which is looked for within an echo's width.
   static std::size_t peakOf(std::span<const std::uint8_t> row, const Region& region,
                             const RadarWindowParams::Bins& bins) {
-    const std::size_t first = std::max(region.begin, region.best - std::min(region.best, bins.half_width));
-    const std::size_t last = std::min(region.end, region.best + bins.half_width + 1);
-    std::size_t peak = region.best;
+    const std::size_t best = region.best;
+    const std::size_t first = std::max<std::size_t>(region.begin, best - std::min(best, bins.half_width));
+    const std::size_t last = std::min<std::size_t>(region.end, best + bins.half_width + 1);
+    std::size_t peak = best;
     for (std::size_t i = first; i < last; ++i)
       if (row[i] > row[peak]) peak = i;
     return peak;
