@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "scslam/apps/place_recognition_truth.h"
+#include "scslam/core/voxel_filter.h"
 
 namespace scslam {
 namespace {
@@ -56,13 +57,14 @@ void PlaceExperiment::add(const Keyframe& keyframe, const Cloud& cloud_base, con
   keyframes_.push_back(keyframe);
   T_odom_base_.push_back(keyframe.T_odom_base);
   T_truth_base_.push_back(T_truth_base);
+  const Cloud kept = selected(cloud_base, firstPerVoxel(cloud_base, options_.voxel_m));
   for (Trial& trial : trials_) {
+    const bool scans = trial.recogniser->usesScans();
     auto start = Clock::now();
-    const Descriptor descriptor =
-        trial.recogniser->usesScans() ? trial.recogniser->describe(keyframe, cloud_base) : Descriptor();
+    const Descriptor descriptor = scans ? trial.recogniser->describe(keyframe, cloud_base) : Descriptor();
+    trial.recogniser->add(keyframe, descriptor, scans ? kept : Cloud());
     trial.describe_ms += msSince(start);
     trial.descriptor_bytes = static_cast<std::size_t>(descriptor.size()) * sizeof(float);
-    trial.recogniser->add(keyframe, descriptor);
     trial.recogniser->setPoses(T_odom_base_);
     start = Clock::now();
     std::vector<PlaceCandidate> candidates = trial.recogniser->query(keyframe.id);

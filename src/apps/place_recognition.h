@@ -12,6 +12,7 @@ struct PlaceOptions {
   double revisit_radius_m = 3;  ///< a candidate truly this near the query is the same place
   double min_travel_m = 15;     ///< … when at least this much way lies between them
   double split_radius_m = 8;    ///< likewise, for the figures split by heading and offset (Scan Context++ counts so)
+  double voxel_m = 0.3;         ///< registration.voxel_m: recognisers keep scans thinned so, as those of a run do
 };
 
 /// A recogniser with its parameters.
@@ -40,7 +41,7 @@ struct PlaceFigures {
   PrecisionRecall figures;               ///< same place = within revisit_radius_m
   PrecisionRecall split_figures;         ///< same place = within split_radius_m
   std::vector<SplitCell> split;          ///< three headings and all, each over the offsets and all of them
-  double describe_ms = 0, query_ms = 0;  ///< means per keyframe
+  double describe_ms = 0, query_ms = 0;  ///< means per keyframe: describe and add; query
   std::size_t descriptor_bytes = 0;
 };
 

@@ -45,6 +45,7 @@ SessionInfo describeSession(const RunOptions& options, const std::string& format
   info.recogniser = fmt::format("{}", fmt::join(params.place.recognisers.names, ", "));
   info.registration = params.registration.method.name;
   info.sensor_label = first.label;
+  info.sensor_table = options.sensor;
   info.T_base_sensor = first.T_base_sensor;
   info.planar = first.planar;
   return info;

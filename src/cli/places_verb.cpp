@@ -44,7 +44,9 @@ PlaceExperiment experimentOf(const PlacesFlags& flags, const SlamParams& params,
   if (texts.empty()) throw usageError("the configuration names no place recogniser; give --recogniser");
   std::vector<PlaceVariant> variants;
   for (const auto& text : texts) variants.push_back(placeVariant(text, params, flags.options));
-  return {variants, flags.options, context};
+  PlaceOptions options = flags.options;
+  options.voxel_m = params.registration.voxel_m;
+  return {variants, options, context};
 }
 
 /// A trajectory file, in the base frame of `T_base_reference`; or an input that carries its own truth.

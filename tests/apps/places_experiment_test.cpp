@@ -31,7 +31,7 @@ class Told : public PlaceRecogniser {
   };
   Told(const Params&, const PluginContext&) {}
   Descriptor describe(const Keyframe&, const Cloud&) const override { return Descriptor::Zero(2, 3); }
-  void add(const Keyframe&, const Descriptor&) override {}
+  void add(const Keyframe&, const Descriptor&, const Cloud&) override {}
   std::vector<PlaceCandidate> query(KeyframeId k) const override { return answers[k]; }
 };
 

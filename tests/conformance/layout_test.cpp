@@ -144,7 +144,7 @@ TEST(Plugins, NothingVanishedSilently) {
             (std::vector<std::string>{"cart_context", "radius", "scan_context"}));
   EXPECT_EQ(Registry<Registration>::instance().names(), (std::vector<std::string>{"voxel_planes"}));
   EXPECT_EQ(Registry<MapExporter>::instance().names(),
-            (std::vector<std::string>{"g2o", "kitti", "octomap", "pcd", "ply", "tum"}));
+            (std::vector<std::string>{"g2o", "grid", "kitti", "octomap", "pcd", "ply", "radar_power", "tum"}));
   EXPECT_EQ(Registry<sim::WorldGenerator>::instance().names(),
             (std::vector<std::string>{"blocks", "bridge", "corridor", "field", "garage", "hills", "mesh", "roundabout",
                                       "town", "tunnel", "unit"}));
