@@ -96,10 +96,10 @@ class FactorCost : public ceres::CostFunction {
       : factor_(factor), whitening_(std::sqrt(weight) * whitening<Dof>(factor.information)) {
     set_num_residuals(Dof);
     mutable_parameter_block_sizes()->push_back(7);
-    if (factor.kind != FactorKind::kPrior) mutable_parameter_block_sizes()->push_back(7);
+    if (!isUnary(factor.kind)) mutable_parameter_block_sizes()->push_back(7);
   }
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const bool prior = factor_.kind == FactorKind::kPrior;
+    const bool prior = isUnary(factor_.kind);
     const double* x_j = prior ? x[0] : x[1];
     Matrix6d J_i, J_j;
     const Vector6d r = factorError(factor_, poseOf(x[0]), poseOf(x_j), J_i, J_j);
@@ -160,9 +160,9 @@ MinimiseResult run(PoseGraph& graph, const GraphStructure& structure, const Weig
   for (std::size_t f = 0; f < graph.factors.size(); ++f) {
     const Factor& factor = graph.factors[f];
     auto* cost = new FactorCost<Dof>(factor, weighting.weights.empty() ? 1 : weighting.weights[f]);
-    const bool robust = factor.kind == FactorKind::kLoop && weighting.kernel.kind() != KernelKind::kNone;
+    const bool robust = isRobust(factor.kind) && weighting.kernel.kind() != KernelKind::kNone;
     std::vector<double*> of{blocks[factor.i].data()};
-    if (factor.kind != FactorKind::kPrior) of.push_back(blocks[factor.j].data());
+    if (!isUnary(factor.kind)) of.push_back(blocks[factor.j].data());
     problem.AddResidualBlock(cost, robust ? &loss : nullptr, of);
   }
   ceres::Solver::Options solver;

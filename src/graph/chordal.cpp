@@ -40,6 +40,9 @@ struct LinearGraph {
   }
 };
 
+/// Positions and gravity are not linear in rotations and translations alone: they come in with the first full step.
+bool counts(const Factor& factor) { return isRelative(factor.kind) || factor.kind == FactorKind::kPrior; }
+
 double weightOf(const std::vector<double>& weights, std::size_t f) { return weights.empty() ? 1 : weights[f]; }
 
 /// R_j = R_i Z: with the rows of R as column vectors a, a_j = Z^T a_i; the three rows share the matrix.
@@ -48,6 +51,7 @@ bool relaxedRotations(const PoseGraph& graph, const GraphStructure& structure, c
   LinearGraph system(structure, 3);
   for (std::size_t f = 0; f < graph.factors.size(); ++f) {
     const Factor& factor = graph.factors[f];
+    if (!counts(factor)) continue;
     const std::uint32_t vi = structure.variable[factor.i], vj = structure.variable[factor.j];
     const Matrix3d Z_t = factor.T_i_j.linear().transpose();
     const double w = weightOf(weights, f) * (graph.planar ? factor.information(5, 5)
@@ -85,6 +89,7 @@ bool translations(PoseGraph& graph, const GraphStructure& structure, const std::
   LinearGraph system(structure, 1);
   for (std::size_t f = 0; f < graph.factors.size(); ++f) {
     const Factor& factor = graph.factors[f];
+    if (!counts(factor)) continue;
     const std::uint32_t vi = structure.variable[factor.i], vj = structure.variable[factor.j];
     const bool prior = factor.kind == FactorKind::kPrior;
     const Matrix3d R_i = prior ? Matrix3d::Identity() : Matrix3d(graph.poses[factor.i].linear());

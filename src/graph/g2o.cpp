@@ -179,7 +179,7 @@ std::string formatG2o(const PoseGraph& graph, bool as_se2) {
   }
   for (const std::uint32_t v : graph.fixed) fmt::format_to(std::back_inserter(out), "FIX {}\n", id(v));
   for (const Factor& factor : graph.factors) {
-    if (factor.kind == FactorKind::kPrior) continue;  // g2o has no tag for it that other readers know
+    if (!isRelative(factor.kind)) continue;  // g2o has no tag for it that other readers know
     fmt::format_to(std::back_inserter(out), "{} {} {}", se2 ? "EDGE_SE2" : "EDGE_SE3:QUAT", id(factor.i), id(factor.j));
     writePose(out, factor.T_i_j, se2);
     const int axes = se2 ? 3 : 6;

@@ -61,7 +61,7 @@ struct NormalEquations {
     double weight = weighting.weights.empty() ? 1 : weighting.weights[f];
     Block information = reduced(factor.information);
     double cost = weight * r.dot(information * r);
-    if (factor.kind == FactorKind::kLoop) {
+    if (isRobust(factor.kind)) {
       const auto value = weighting.kernel(cost);
       weight *= value.weight;
       cost = value.rho;
@@ -69,9 +69,8 @@ struct NormalEquations {
     information *= weight;
     const std::uint32_t vi = structure.variable[factor.i], vj = structure.variable[factor.j];
     const Block J_i = reduced(full_i), J_j = reduced(full_j);
-    const bool prior = factor.kind == FactorKind::kPrior;
     const Part weighted = information * r;
-    if (vi != GraphStructure::kHeld && !prior) {
+    if (vi != GraphStructure::kHeld && !isUnary(factor.kind)) {
       block(vi).noalias() += J_i.transpose() * (information * J_i);
       part(vi).noalias() += J_i.transpose() * weighted;
     }

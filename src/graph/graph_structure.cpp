@@ -29,7 +29,7 @@ GraphStructure::GraphStructure(const PoseGraph& graph) : parts(graphParts(graph)
 double Weighting::costOf(const PoseGraph& graph, std::size_t f) const {
   const Factor& factor = graph.factors[f];
   const double s = factorChi2(graph, factor) * (weights.empty() ? 1 : weights[f]);
-  return factor.kind == FactorKind::kLoop ? kernel(s).rho : s;
+  return isRobust(factor.kind) ? kernel(s).rho : s;
 }
 
 double Weighting::cost(const PoseGraph& graph) const {

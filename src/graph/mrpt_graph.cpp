@@ -17,7 +17,7 @@ mrpt::graphs::CNetworkOfPoses3DInf toMrpt(const PoseGraph& graph) {
   for (std::uint32_t v = 0; v < graph.poses.size(); ++v) network.nodes[id(v)] = toMrpt(graph.poses[v]);
   if (!graph.poses.empty()) network.root = id(0);
   for (const Factor& factor : graph.factors)
-    if (factor.kind != FactorKind::kPrior)
+    if (isRelative(factor.kind))
       network.insertEdgeAtEnd(id(factor.i), id(factor.j), toMrpt(factor.T_i_j, factor.information));
   return network;
 }

@@ -57,8 +57,11 @@ class Optimisation {
       descendRobustly();
     }
     for (std::uint32_t f = 0; f < graph_.factors.size(); ++f)
-      if (graph_.factors[f].kind == FactorKind::kLoop && summary_.weights[f] < 0.5)
-        summary_.rejected_edges.push_back(f);
+      if (isRobust(graph_.factors[f].kind) && summary_.weights[f] < 0.5) {
+        auto& rejected =
+            graph_.factors[f].kind == FactorKind::kLoop ? summary_.rejected_edges : summary_.rejected_positions;
+        rejected.push_back(f);
+      }
     summary_.chi2_final = graphChi2(graph_);
     return summary_;
   }
@@ -128,7 +131,7 @@ void Optimisation::descendRobustly() {
   }
   summary_.weights.assign(graph_.factors.size(), 1.0);
   for (std::size_t f = 0; f < graph_.factors.size(); ++f)
-    if (graph_.factors[f].kind == FactorKind::kLoop)
+    if (isRobust(graph_.factors[f].kind))
       summary_.weights[f] = weighting.kernel(factorChi2(graph_, graph_.factors[f])).weight;
   if (params_.robust == "gnc") graduate();
 }
@@ -144,7 +147,7 @@ void Optimisation::graduate() {
     Weighting weighting{RobustKernel(), std::vector<double>(graph_.factors.size(), 1.0)};
     bool binary = true;
     for (std::size_t f = 0; f < graph_.factors.size(); ++f) {
-      if (graph_.factors[f].kind != FactorKind::kLoop) continue;
+      if (!isRobust(graph_.factors[f].kind)) continue;
       const double weight = truncatedWeight(factorChi2(graph_, graph_.factors[f]), gate_, mu);
       binary = binary && (weight == 0 || weight == 1);
       summary_.weights[f] = weight;

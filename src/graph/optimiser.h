@@ -25,15 +25,17 @@ struct OptimiserSummary {
   double chi2_final = 0;
   int iterations = 0;  ///< linear systems solved, all stages together
   bool converged = false;
-  std::string start;                          ///< "file", "spanning" or "chordal"
-  std::vector<double> weights;                ///< by factor, in [0, 1]; all 1 without a robust kernel
-  std::vector<std::uint32_t> rejected_edges;  ///< loop factors that end with a weight below 1/2, increasing
-  std::size_t parts = 0;                      ///< connected parts; each has a gauge of its own
-  std::string floating;                       ///< one line about unconnected parts, empty when there is one part
+  std::string start;                              ///< "file", "spanning" or "chordal"
+  std::vector<double> weights;                    ///< by factor, in [0, 1]; all 1 without a robust kernel
+  std::vector<std::uint32_t> rejected_edges;      ///< loop factors that end with a weight below 1/2, increasing
+  std::vector<std::uint32_t> rejected_positions;  ///< likewise position factors
+  std::size_t parts = 0;                          ///< connected parts; each has a gauge of its own
+  std::string floating;                           ///< one line about unconnected parts, empty when there is one part
 };
 
 /// Moves graph.poses to the lowest cost found: residual E = Z^-1 X_i^-1 X_j, r = (translation, rotation vector of E),
-/// cost = sum of rho(r^T Lambda r), rho on loop factors only. SE(2) graphs move in (x, y, yaw) and stay planar.
+/// cost = sum of rho(r^T Lambda r), rho on loop and position factors only. SE(2) graphs move in (x, y, yaw) and stay
+/// planar.
 ///
 /// With init = "file" and a good start (online use) this is one or two Gauss-Newton steps. The result does not depend
 /// on threads or time. Never throws for ill-posed graphs: directions that nothing fixes stay where they were.

@@ -8,15 +8,27 @@
 
 namespace scslam {
 
-enum class FactorKind : std::uint8_t { kOdometry, kLoop, kPrior };
+enum class FactorKind : std::uint8_t {
+  kOdometry,  ///< X_i^-1 X_j = T_i_j
+  kLoop,      ///< the same, and robust kernels apply
+  kPrior,     ///< X_j = T_i_j (i == j)
+  /// X_i^-1 X_j arm = translation of T_i_j: a point of node j (an antenna) as measured in the frame that node i is (the
+  /// satellites' east-north-up, which then is a node of the graph). Information: upper left 3x3, axes of i; robust.
+  kPosition,
+  kGravity,  ///< X_j turns `arm`, up as measured in frame j, into up of the map (i == j). Information: lower right 3x3.
+};
+inline constexpr bool isRelative(FactorKind kind) { return kind == FactorKind::kOdometry || kind == FactorKind::kLoop; }
+inline constexpr bool isUnary(FactorKind kind) { return kind == FactorKind::kPrior || kind == FactorKind::kGravity; }
+/// Robust kernels apply to what may be plain wrong.
+inline constexpr bool isRobust(FactorKind kind) { return kind == FactorKind::kLoop || kind == FactorKind::kPosition; }
 
-/// Says X_i^-1 X_j = T_i_j up to `information` (tangent of core/pose.h: translation, rotation vector; right
-/// perturbation).
+/// A measurement with its `information` (tangent of core/pose.h: translation, rotation vector; right perturbation).
 struct Factor {
   FactorKind kind = FactorKind::kOdometry;
-  std::uint32_t i = 0, j = 0;  ///< indices into PoseGraph::poses (a prior has i == j and T_i_j = the pose in map)
+  std::uint32_t i = 0, j = 0;  ///< indices into PoseGraph::poses
   Pose T_i_j = Pose::Identity();
   Matrix6d information = Matrix6d::Identity();
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();  ///< of positions and gravity alone
 };
 
 struct PoseGraph {

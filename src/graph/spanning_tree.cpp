@@ -15,13 +15,13 @@ struct Adjacency {
 
   explicit Adjacency(const PoseGraph& graph) : begin(graph.poses.size() + 1) {
     for (const Factor& f : graph.factors)
-      if (f.kind != FactorKind::kPrior) ++begin[f.i + 1], ++begin[f.j + 1];
+      if (isRelative(f.kind)) ++begin[f.i + 1], ++begin[f.j + 1];
     for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
     factor.resize(begin.back());
     std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
     for (Index k = 0; k < graph.factors.size(); ++k) {
       const Factor& f = graph.factors[k];
-      if (f.kind != FactorKind::kPrior) factor[next[f.i]++] = k, factor[next[f.j]++] = k;
+      if (isRelative(f.kind)) factor[next[f.i]++] = k, factor[next[f.j]++] = k;
     }
   }
 };

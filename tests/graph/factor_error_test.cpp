@@ -37,6 +37,39 @@ TEST(FactorError, JacobiansAgreeWithNumericOnes) {
   }
 }
 
+TEST(FactorError, JacobiansOfPositionsAndGravityAgreeWithNumericOnes) {
+  std::mt19937 random(12);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Pose X_i = test::randomPose(random), X_j = test::randomPose(random);
+    Factor factor;
+    factor.arm = test::randomVector(random, 2, 0).head<3>();
+    factor.T_i_j = test::randomPose(random);
+    for (const auto kind : {FactorKind::kPosition, FactorKind::kGravity}) {
+      factor.kind = kind;
+      if (kind == FactorKind::kGravity) factor.arm.normalize();
+      Matrix6d J_i, J_j;
+      const Vector6d r = factorError(factor, X_i, X_j, J_i, J_j);
+      EXPECT_EQ(r, factorError(factor, X_i, X_j));
+      EXPECT_LT((J_i - numericJacobian(factor, X_i, X_j, true)).norm(), 1e-7);
+      EXPECT_LT((J_j - numericJacobian(factor, X_i, X_j, false)).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(FactorError, AntennaAtItsMeasuredPlaceAndALevelPoseHaveNone) {
+  Factor position, gravity;
+  position.kind = FactorKind::kPosition;
+  position.arm = {1, 0, 2};
+  const Pose T_map_enu = poseFromYaw(0.7, {10, -5, 1}), X = poseFromYaw(-0.4, {3, 4, 5});
+  position.T_i_j.translation() = T_map_enu.inverse() * (X * position.arm);
+  EXPECT_LT(factorError(position, T_map_enu, X).norm(), 1e-12);
+  gravity.kind = FactorKind::kGravity;
+  gravity.arm = {0, 0, 1};
+  EXPECT_LT(factorError(gravity, X, X).norm(), 1e-12);
+  const Pose tilted = X * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY());
+  EXPECT_NEAR(factorError(gravity, tilted, tilted).norm(), std::sin(0.1), 1e-12);
+}
+
 TEST(FactorError, IsTranslationAndRotationVectorOfTheDifference) {
   Factor factor;
   factor.T_i_j = poseFromYaw(0.3, {1, 2, 3});

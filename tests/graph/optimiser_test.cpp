@@ -46,6 +46,42 @@ TEST(Optimiser, PullsDriftedOdometryTogether) {
   EXPECT_LT(walk.worstError(), before / 2);
 }
 
+/// Positions of an antenna in a frame of their own whose place in the map nobody knows, one of them plain wrong.
+TEST(Optimiser, SatellitePositionsTakeTheDriftOutAndFindTheirFrame) {
+  for (const auto* solver : {"auto", "ceres"}) {
+    test::SquareWalk walk(10, 2, 0.05);
+    std::erase_if(walk.graph.factors, [](const Factor& f) { return f.kind == FactorKind::kLoop; });
+    const double drifted = walk.worstError();
+    const auto enu = static_cast<std::uint32_t>(walk.graph.poses.size());
+    const Pose T_map_enu = poseFromYaw(1.2, {100, -50, 3});
+    walk.graph.poses.push_back(T_map_enu * poseFromYaw(0.01, {0.3, 0.2, 0.5}));
+    for (std::uint32_t k = 0; k < walk.truth.size(); k += 2) {
+      Factor fix;
+      fix.kind = FactorKind::kPosition;
+      fix.i = enu, fix.j = k;
+      fix.arm = {0.5, 0, 1};
+      fix.T_i_j.translation() = T_map_enu.inverse() * (walk.truth[k] * fix.arm);
+      if (k == 20) fix.T_i_j.translation() += Eigen::Vector3d(30, 0, 0);
+      fix.information = 1e2 * Matrix6d::Identity();
+      walk.graph.factors.push_back(fix);
+    }
+    Factor level;
+    level.kind = FactorKind::kGravity;
+    level.i = level.j = enu;
+    level.arm = {0, 0, 1};
+    level.information = 1e4 * Matrix6d::Identity();
+    walk.graph.factors.push_back(level);
+    const auto summary = optimise(walk.graph, with("file", "dcs", solver));
+    EXPECT_TRUE(summary.converged) << solver;
+    EXPECT_EQ(summary.rejected_positions.size(), 1u) << solver;
+    // Where the first node looks is a matter of odometry alone: what the satellites fix is the way in their frame.
+    const Pose T_truth_map = T_map_enu * walk.graph.poses[enu].inverse();
+    for (Pose& T : walk.graph.poses) T = T_truth_map * T;
+    EXPECT_LT(walk.worstError(), 0.15) << solver;
+    EXPECT_GT(drifted, 0.5) << "the walk should drift";
+  }
+}
+
 TEST(Optimiser, AgreesWithCeresOnFullInformationMatrices) {
   std::mt19937 random(8);
   for (const bool planar : {false, true}) {

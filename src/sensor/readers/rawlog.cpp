@@ -208,7 +208,7 @@ class RawlogSource final : public ScanSource {
     navigation_.take(*observation);
     const std::string class_name = shortClassName(*observation);
     const std::string& label = observation->sensorLabel;
-    const bool scan = isScan(*observation, options_.sensor);
+    const bool scan = isScan(*observation, options_.sensor) && (!options_.radar || isRadarScan(*observation));
     if (scan && scan_class_.empty() && (options_.label.empty() || label == options_.label)) {
       label_ = label;
       scan_class_ = class_name;
