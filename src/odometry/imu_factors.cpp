@@ -80,6 +80,15 @@ ImuResidual<6> stepResidual(const ImuNode& i, const ImuNode& j, const Pose& T_i_
   return res;
 }
 
+ImuResidual<3> speedResidual(const ImuNode& i, const ImuNode& j, double duration_s) {
+  ImuResidual<3> res;
+  res.r = j.nav.v - (j.nav.p - i.nav.p) / duration_s;
+  res.by_i.block<3, 3>(0, ImuNode::kP) = Matrix3d::Identity() / duration_s;
+  res.by_j.block<3, 3>(0, ImuNode::kP) = -Matrix3d::Identity() / duration_s;
+  res.by_j.block<3, 3>(0, ImuNode::kV) = Matrix3d::Identity();
+  return res;
+}
+
 ImuResidual<6> poseResidual(const ImuNode& j, const Pose& T_odom_j) {
   ImuResidual<6> res;
   res.r = local(T_odom_j, j.pose());

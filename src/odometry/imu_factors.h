@@ -34,6 +34,8 @@ ImuResidual<9> imuResidual(const ImuNode& i, const ImuNode& j, const Eigen::Vect
 ImuResidual<6> biasResidual(const ImuNode& i, const ImuNode& j);
 /// The step from i to j against a measured T_i_j: local(T_i_j, T_i^-1 T_j).
 ImuResidual<6> stepResidual(const ImuNode& i, const ImuNode& j, const Pose& T_i_j);
+/// The velocity of j against the mean one from i to j [m/s], frame odom. @param duration_s > 0.
+ImuResidual<3> speedResidual(const ImuNode& i, const ImuNode& j, double duration_s);
 /// The pose of j against a measured one: local(T_odom_j, T_j).
 ImuResidual<6> poseResidual(const ImuNode& j, const Pose& T_odom_j);
 

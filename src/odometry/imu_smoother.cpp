@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kNode = ImuNode::kSize;
 constexpr int kIterations = 4;
+constexpr double kShortest = 1e-3, kLongest = 10;  // [s]: what a step counts as at least and, without IMU, at most
 constexpr double kHuber2 = 16.0;  // r' L r above which a scan's pose is taken for wrong: about 98 % of right ones
 
 Eigen::Index offsetOf(std::size_t node) { return 2 + kNode * static_cast<Eigen::Index>(node); }
@@ -37,6 +38,14 @@ void addResidual(const ImuResidual<kRows>& res, const Eigen::Matrix<double, kRow
       system.block(to[a], to[b], size[a], size[b]) += H.block(from[a], from[b], size[a], size[b]);
     system.col(system.cols() - 1).segment(to[a], size[a]) += g.segment(from[a], size[a]);
   }
+}
+
+/// A step that was measured or guessed. Squared weight: wheels that are blocked lose their say altogether.
+void addStep(const Pose& T_i_j, const Matrix6d& information, const ImuNode& i, const ImuNode& j, std::size_t k,
+             MatrixXd& system) {
+  const ImuResidual<6> step = stepResidual(i, j, T_i_j);
+  const double weight = huber(step.r.dot(information * step.r));
+  addResidual<6>(step, weight * weight * information, k - 1, k, system);
 }
 
 /// H^-1 of a system whose directions all have a prior; what is left open by rounding is held by a little weight.
@@ -78,40 +87,38 @@ void ImuSmoother::beginStep() {
 
 void ImuSmoother::integrate(const std::vector<ImuReading>& readings, const ImuBias& bias, Entry& entry) {
   entry.imu.emplace(readings, bias, entry.noise);
+  entry.duration_s = entry.imu->motion().duration_s;
   Matrix9d C = entry.imu->covariance;
   C.diagonal().array() += 1e-10;
   entry.imu_information = C.llt().solve(Matrix9d::Identity());
 }
 
-void ImuSmoother::append(const std::vector<ImuReading>& readings, const ImuNoise& noise) {
+void ImuSmoother::predict(const ImuPreintegration& imu, const ImuNoise& noise) {
   Entry entry;
   entry.noise = noise;
-  integrate(readings, newest().bias, entry);
+  integrate(imu.readings(), newest().bias, entry);
   entry.node.bias = newest().bias;
   entry.node.nav = newest().nav.after(entry.imu->motion(), gravity_);
   window_.push_back(std::move(entry));
 }
 
-void ImuSmoother::predict(const ImuPreintegration& imu, const ImuNoise& noise) { append(imu.readings(), noise); }
-
 void ImuSmoother::predictAtSpeed(const Vector6d& twist, double duration_s) {
-  // The readings of an IMU that goes on so, with the noise of what a robot may do instead: some m/s^2 and rad/s^2 over
-  // the whole step.
-  constexpr double kAccel = 3.0, kTurn = 3.0;  // [m/s^2], [rad/s^2]
-  constexpr int kReadings = 10;
-  const double T = std::max(duration_s, 1e-3);
-  const NavState& nav = newest().nav;
-  const ImuBias& bias = newest().bias;
-  const Vector3d w = T_base_imu_.linear().transpose() * twist.tail<3>(), v = nav.R.transpose() * nav.v;
-  std::vector<ImuReading> readings;
-  for (int k = 0; k <= kReadings; ++k) {
-    const double t = T * k / kReadings;
-    const Matrix3d R = nav.R * so3Exp(t * w);
-    readings.push_back({t, w + bias.gyro, w.cross(v) - R.transpose() * gravity_ + bias.accel});
-  }
-  ImuNoise noise;
-  noise.gyro = kTurn * T * std::sqrt(T), noise.accel = kAccel * std::sqrt(T);
-  append(readings, noise);
+  constexpr double kAccel = 3.0, kTurn = 3.0;  // [m/s^2], [rad/s^2]: what a robot may do in between
+  const double T = std::clamp(duration_s, kShortest, kLongest);
+  const Vector6d way = duration_s * twist;
+  const double sigma_m = 0.1 + 0.5 * way.head<3>().norm() + 0.5 * kAccel * T * T;
+  const double sigma_rad = std::min(0.05 + 0.5 * way.tail<3>().norm() + kTurn * T * T, M_PI);
+  Vector6d information;
+  information << Vector3d::Constant(1 / (sigma_m * sigma_m)), Vector3d::Constant(1 / (sigma_rad * sigma_rad));
+  Entry entry;
+  entry.duration_s = T;
+  entry.guess =
+      Measured{T_base_imu_.inverse() * retract(Pose::Identity(), way) * T_base_imu_, toImu(information.asDiagonal())};
+  const Pose T_odom_imu = newest().pose() * entry.guess->T;
+  entry.node.bias = newest().bias;
+  entry.node.nav = {T_odom_imu.linear(), T_odom_imu.translation(),
+                    T_odom_imu.linear() * newest().nav.R.transpose() * newest().nav.v};
+  window_.push_back(std::move(entry));
 }
 
 // ---- measurements ----
@@ -156,17 +163,25 @@ void ImuSmoother::addPrior(System& system) const {
 void ImuSmoother::addLink(std::size_t k, System& system) const {
   const Entry& entry = window_[k];
   const ImuNode &i = window_[k - 1].node, &j = entry.node;
-  addResidual(imuResidual(i, j, gravity_, *entry.imu), entry.imu_information, k - 1, k, system);
-  const double T = std::max(entry.imu->motion().duration_s, 1e-6);
+  if (entry.imu)
+    addResidual(imuResidual(i, j, gravity_, *entry.imu), entry.imu_information, k - 1, k, system);
+  else
+    addGuess(k, system);
+  const double T = std::max(entry.duration_s, kShortest);
   const auto information = [T](double walk) { return Vector3d::Constant(1 / (walk * walk * T + 1e-14)); };
   Vector6d walk;
   walk << information(entry.noise.gyro_walk), information(entry.noise.accel_walk);
   addResidual<6>(biasResidual(i, j), walk.asDiagonal(), k - 1, k, system);
-  if (!entry.step) return;
-  const ImuResidual<6> step = stepResidual(i, j, entry.step->T);
-  // Squared: wheels that are blocked lose their say altogether.
-  const double weight = huber(step.r.dot(entry.step->information * step.r));
-  addResidual<6>(step, weight * weight * entry.step->information, k - 1, k, system);
+  if (entry.step) addStep(entry.step->T, entry.step->information, i, j, k, system);
+}
+
+void ImuSmoother::addGuess(std::size_t k, System& system) const {
+  constexpr double kAccel = 3.0, kJitter = 0.1;  // [m/s^2], [m]: how far the mean velocity is from the one at the end
+  const Entry& entry = window_[k];
+  const ImuNode &i = window_[k - 1].node, &j = entry.node;
+  addStep(entry.guess->T, entry.guess->information, i, j, k, system);
+  const double sigma = kAccel * entry.duration_s + kJitter / entry.duration_s;
+  addResidual<3>(speedResidual(i, j, entry.duration_s), Matrix3d::Identity() / (sigma * sigma), k - 1, k, system);
 }
 
 ImuSmoother::System ImuSmoother::linearised(std::size_t count) const {
@@ -177,7 +192,8 @@ ImuSmoother::System ImuSmoother::linearised(std::size_t count) const {
     if (k > 0) addLink(k, system);
     if (!window_[k].pose) continue;
     const ImuResidual<6> pose = poseResidual(window_[k].node, window_[k].pose->T);
-    const double weight = huber(pose.r.dot(window_[k].pose->information * pose.r));
+    // Against the IMU a match may be wrong; against a guess it is right.
+    const double weight = window_[k].imu ? huber(pose.r.dot(window_[k].pose->information * pose.r)) : 1.0;
     // by_i is zero: any other node may stand for it.
     addResidual<6>(pose, weight * window_[k].pose->information, k > 0 ? k - 1 : k, k, system);
   }
@@ -217,6 +233,7 @@ void ImuSmoother::marginaliseOldest() {
   prior_g_ = keep_g - keep_drop * drop.solve(drop_g);
   window_.pop_front();
   window_.front().imu.reset();
+  window_.front().guess.reset();
   window_.front().step.reset();
   prior_node_ = window_.front().node;
   prior_gravity_ = gravity_;

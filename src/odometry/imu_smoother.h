@@ -52,20 +52,23 @@ class ImuSmoother : public ImuEstimator {
   };
   struct Entry {
     ImuNode node;
-    std::optional<ImuPreintegration> imu;  ///< from the entry before; none at the oldest
+    double duration_s = 0;  ///< since the entry before
+    std::optional<ImuPreintegration>
+        imu;  ///< from the entry before; none at the oldest and where there were no readings
     Matrix9d imu_information = Matrix9d::Zero();
-    ImuNoise noise;                ///< it was integrated with
-    std::optional<Measured> step;  ///< T_before_this of the IMU
-    std::optional<Measured> pose;  ///< T_odom_imu
+    ImuNoise noise;                 ///< it was integrated with; of the walk of the biases
+    std::optional<Measured> guess;  ///< T_before_this of the IMU at constant speed, where there is no imu
+    std::optional<Measured> step;   ///< T_before_this of the IMU
+    std::optional<Measured> pose;   ///< T_odom_imu
   };
 
   const ImuNode& newest() const { return window_.back().node; }
-  void append(const std::vector<ImuReading>& readings, const ImuNoise& noise);
   static void integrate(const std::vector<ImuReading>& readings, const ImuBias& bias, Entry& entry);
   /// Everything that touches the first `count` nodes and no later one, linearised.
   System linearised(std::size_t count) const;
   void addPrior(System& system) const;
   void addLink(std::size_t k, System& system) const;
+  void addGuess(std::size_t k, System& system) const;
   void optimise();
   void marginaliseOldest();
   Matrix6d toImu(const Matrix6d& information_base) const;

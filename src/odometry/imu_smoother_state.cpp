@@ -53,6 +53,8 @@ void ImuSmoother::save(ByteWriter& state) const {
   state.put(std::uint64_t{window_.size()});
   for (const Entry& entry : window_) {
     put(state, entry.node);
+    state.put(entry.duration_s);
+    put(state, entry.guess);
     put(state, entry.step);
     put(state, entry.pose);
     state.put(entry.imu.has_value());
@@ -80,6 +82,8 @@ void ImuSmoother::load(ByteReader& state) {
   for (auto left = state.get<std::uint64_t>(); left > 0; --left) {
     Entry entry;
     get(state, entry.node);
+    state.get(entry.duration_s);
+    get(state, entry.guess);
     get(state, entry.step);
     get(state, entry.pose);
     if (state.get<bool>()) {
