@@ -1,6 +1,7 @@
 #include "scslam/odometry/imu_smoother.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -67,15 +68,15 @@ void ImuSmoother::begin(const Pose& T_odom_base, const Pose& T_base_imu, const V
   T_base_imu_ = T_base_imu;
   gravity_ = gravity;
   const Pose T_odom_imu = T_odom_base * T_base_imu;
-  Entry first;
-  first.node.nav = {T_odom_imu.linear(), T_odom_imu.translation(), velocity};
-  window_.assign(1, first);
+  window_.clear();
+  ImuNode& first = window_.emplace_back().node;
+  first.nav = {T_odom_imu.linear(), T_odom_imu.translation(), velocity};
   Eigen::Matrix<double, kPrior, 1> sigma;
   sigma << Eigen::Vector2d::Constant(start.gravity_rad), Vector6d::Constant(kExact),
       Vector3d::Constant(start.velocity_mps), Vector3d::Constant(start.gyro_bias), Vector3d::Constant(start.accel_bias);
   prior_H_ = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
   prior_g_.setZero();
-  prior_node_ = first.node;
+  prior_node_ = first;
   prior_gravity_ = gravity;
 }
 
@@ -139,6 +140,11 @@ void ImuSmoother::measureRest(const Vector3d& accel, double accel_sigma, const V
 }
 
 void ImuSmoother::measureStep(const Pose& T_previous_base, const Matrix6d& information) {
+  if (window_.size() < 2) return;
+  const Pose T_predicted = window_[window_.size() - 2].node.pose().inverse() * newest().pose();
+  const Vector6d innovation = local(T_base_imu_ * T_predicted * T_base_imu_.inverse(), T_previous_base);
+  const Matrix6d W = information * (Matrix6d::Identity() + stepCovariance() * information).inverse();
+  if (innovation.dot(W * innovation) > 25.0) return;
   window_.back().step = Measured{T_base_imu_.inverse() * T_previous_base * T_base_imu_, toImu(information)};
   optimise();
 }

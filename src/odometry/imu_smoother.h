@@ -27,6 +27,7 @@ class ImuSmoother : public ImuEstimator {
   void predictAtSpeed(const Vector6d& twist, double duration_s) override;
   void measureRest(const Eigen::Vector3d& accel, double accel_sigma, const Eigen::Vector3d& gyro,
                    double gyro_sigma) override;
+  /// Beyond 5 sigma it is not taken.
   void measureStep(const Pose& T_previous_base, const Matrix6d& information) override;
   void measurePose(const Pose& T_odom_base, const Matrix6d& information) override;
 
