@@ -18,7 +18,7 @@ class Wheel : public Odometry {
     bool deskew = true;
     // What wheels are off by: some slip, more in turns, and nothing known of slopes.
     double slip = 0.02, turn_slip = 0.05;
-    double sigma_m = 0.005, sigma_deg = 0.1, slope_deg = 3;
+    double sigma_m = 0.005, sigma_deg = 0.1, slope_deg = 1;
     void describe(ParamVisitor& visitor) override {
       visitor.field("max_speed_mps", max_speed_mps,
                     "a step that is faster is no motion: the encoders were set to something else [m/s]", 0.1, 1000.0);
@@ -108,9 +108,9 @@ Matrix6d Wheel::covarianceOf(const Pose& T_previous_base, bool guessed, bool pla
   // A guessed step keeps what constant velocity is worth: half the motion itself.
   const double along = guessed ? 0.1 + 0.5 * metres : params_.sigma_m + params_.slip * metres;
   const double yaw = guessed ? 0.05 + 0.5 * turn : params_.sigma_deg * rad + params_.turn_slip * turn;
-  // A slope that changes by a random walk: over d metres by sqrt(d), and half of that on the way.
+  // A slope that changes by a random walk: over d metres by sqrt(d), half of that on the way; and springs.
   const double slope = planar ? 1e-4 : params_.sigma_deg * rad + params_.slope_deg * rad * std::sqrt(metres);
-  const double up = planar ? 1e-4 : params_.sigma_m + 0.5 * metres * slope;
+  const double up = planar ? 1e-4 : 2 * params_.sigma_m + 0.5 * metres * slope;
   Vector6d sigma;
   sigma << along, along, up, slope, slope, yaw;
   return sigma.cwiseAbs2().asDiagonal();
