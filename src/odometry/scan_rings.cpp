@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "scslam/odometry/ring_check.h"
+
 namespace scslam {
 namespace {
 
@@ -201,7 +203,8 @@ void RingParams::describe(ParamVisitor& visitor) {
                 "where no rings are found, cut the elevations seen into so many; 0: an error", 0, 512);
 }
 
-RingFinder::RingFinder(const RingParams& params) : virtual_rings_(params.virtual_rings) {
+RingFinder::RingFinder(const RingParams& params)
+    : virtual_rings_(params.virtual_rings), given_(!params.elevation_deg.empty()) {
   for (const double elevation : params.elevation_deg)
     levels_.push_back(static_cast<float>(std::tan(elevation * M_PI / 180)));
   std::sort(levels_.begin(), levels_.end());
@@ -238,7 +241,8 @@ std::string RingFinder::ringsOf(const Cloud& cloud_base, const Scan& scan, const
   if (scan.planar)
     throw inputError("odometry {}: it needs a 3-D scanner, the scans of '{}' are planar; use --odometry voxel_icp",
                      name, scan.label);
-  const std::string why = find(cloud_base, scan.T_base_sensor, rings);
+  std::string why = find(cloud_base, scan.T_base_sensor, rings);
+  if (why.empty() && first) why = doubt(cloud_base, scan.T_base_sensor, rings);
   if (!why.empty() && first && cloud_base.size() >= kWholeScan)
     throw inputError(
         "odometry {}: it needs the rings of a spinning LiDAR, but {}; give the beams "
@@ -246,6 +250,12 @@ std::string RingFinder::ringsOf(const Cloud& cloud_base, const Scan& scan, const
         "--odometry voxel_icp",
         name, why, name, name);
   return why;
+}
+
+std::string RingFinder::doubt(const Cloud& cloud_base, const Pose& T_base_sensor, const ScanRings& rings) const {
+  const Directions directions = directionsOf(cloud_base, T_base_sensor);
+  if (given_ && !cloud_base.hasRing()) return doubtAboutBeams(levels_, directions.slope);
+  return doubtAboutRings(rings, directions.slope);
 }
 
 void RingFinder::save(ByteWriter& state) const {

@@ -40,6 +40,7 @@ class RingFinder {
 
   /// find() for the front-end `name`.
   /// @param first nothing was made of any scan yet: a sensor without rings is then an error of the choice made.
+  /// Rings that cannot be those of this sensor (a table of another one) are no rings.
   /// @throw inputError that says what to do instead.
   std::string ringsOf(const Cloud& cloud_base, const Scan& scan, const std::string& name, bool first, ScanRings& rings);
 
@@ -47,7 +48,10 @@ class RingFinder {
   void load(ByteReader& state);
 
  private:
+  std::string doubt(const Cloud& cloud_base, const Pose& T_base_sensor, const ScanRings& rings) const;
+
   int virtual_rings_;
+  bool given_ = false;         ///< levels_ are from the parameters
   std::vector<float> levels_;  ///< tan(elevation) of the beams, ascending; empty: not known (yet)
   bool by_rows_ = false;       ///< the first scan had no levels and lay row by row: so do the others
 };
