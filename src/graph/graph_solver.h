@@ -13,7 +13,8 @@ namespace scslam::detail {
 struct GraphStructure {
   static constexpr std::uint32_t kHeld = ~std::uint32_t{0};
 
-  explicit GraphStructure(const PoseGraph& graph);
+  /// @param used by factor: those with 0 get no block (all are used when empty). Parts are those of the whole graph.
+  explicit GraphStructure(const PoseGraph& graph, const std::vector<std::uint8_t>& used = {});
 
   GraphParts parts;
   std::vector<std::uint32_t> variable;  ///< by node, kHeld for those that do not move
@@ -23,7 +24,7 @@ struct GraphStructure {
   std::shared_ptr<const BlockSymbolic> symbolic;
 };
 
-/// How factors count: fixed weights (all 1 when empty), and a kernel on the loop factors.
+/// How factors count: fixed weights (all 1 when empty; 0 takes a factor out), and a kernel on the robust ones.
 struct Weighting {
   RobustKernel kernel;
   std::vector<double> weights;

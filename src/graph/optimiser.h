@@ -25,6 +25,7 @@ struct OptimiserSummary {
   double chi2_final = 0;
   int iterations = 0;  ///< linear systems solved, all stages together
   bool converged = false;
+  double gate_chi2 = 0;                           ///< at which a loop counted as false
   std::string start;                              ///< "file", "spanning" or "chordal"
   std::vector<double> weights;                    ///< by factor, in [0, 1]; all 1 without a robust kernel
   std::vector<std::uint32_t> rejected_edges;      ///< loop factors that end with a weight below 1/2, increasing

@@ -6,7 +6,7 @@
 
 namespace scslam {
 
-enum class KernelKind { kNone, kHuber, kCauchy, kDcs };
+enum class KernelKind { kNone, kHuber, kCauchy, kDcs, kGemanMcClure };
 
 class RobustKernel {
  public:
@@ -15,7 +15,7 @@ class RobustKernel {
     double rho;     ///< cost in place of s
     double weight;  ///< rho'(s), in [0, 1]
   };
-  /// Huber; Cauchy; dynamic covariance scaling (Agarwal et al., ICRA 2013) in its closed form.
+  /// Huber; Cauchy; dynamic covariance scaling (Agarwal et al., ICRA 2013) in its closed form; Geman-McClure.
   Value operator()(double s) const;
   KernelKind kind() const { return kind_; }
 
