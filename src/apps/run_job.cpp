@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scslam/apps/input_digest.h"
+#include "scslam/apps/motion_scale.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
 #include "scslam/core/progress.h"
@@ -17,15 +18,20 @@ namespace scslam {
 namespace {
 
 /// Defaults, then the profile that fits the data, then files, then --set.
-SlamParams resolveParams(const RunOptions& options, bool planar, mrpt::system::COutputLogger& log) {
+SlamParams resolveParams(const RunOptions& options, const char* profile) {
   SlamParams params;
-  if (planar) {
-    loadConfig(params, "laser2d");
-    logInfo(log, "configuration: laser2d (the scans are planar)");
-  }
+  if (profile != nullptr) loadConfig(params, profile);
   for (const auto& config : options.configs) loadConfig(params, config);
   for (const auto& assignment : options.sets) setParam(params, assignment);
   return params;
+}
+
+/// The shipped configuration that fits the scans, nullptr for the defaults.
+const char* profileOf(const Scan& scan, mrpt::system::COutputLogger& log) {
+  if (!scan.planar) return nullptr;
+  const char* profile = scan.radar ? "radar" : "laser2d";
+  logInfo(log, "configuration: {} (the scans are {})", profile, scan.radar ? "of a radar" : "planar");
+  return profile;
 }
 
 SessionInfo describeSession(const RunOptions& options, const std::string& format, const SlamParams& params,
@@ -39,6 +45,7 @@ SessionInfo describeSession(const RunOptions& options, const std::string& format
   info.recogniser = fmt::format("{}", fmt::join(params.place.recognisers.names, ", "));
   info.registration = params.registration.method.name;
   info.sensor_label = first.label;
+  info.sensor_table = options.sensor;
   info.T_base_sensor = first.T_base_sensor;
   info.planar = first.planar;
   return info;
@@ -76,9 +83,31 @@ std::string metricsJson(const RunSummary& s, int threads) {
   return json.dump(2) + "\n";
 }
 
+/// Watches the scale of a radar's motion (motion_scale.h).
+class ScaleWatch {
+ public:
+  void add(const Scan& scan) {
+    if (!scan.radar) return;
+    resolution_m_ = scan.radar->range_resolution_m;
+    reference_.add(scan);
+  }
+  /// The complaint, empty when all is well or nothing can be said. @param session that was finished.
+  std::string verdict(const std::filesystem::path& session, const std::optional<Trajectory>& truth) const {
+    std::string source;
+    const auto reference = resolution_m_ > 0 ? reference_.trajectory(truth, source) : std::nullopt;
+    if (!reference) return "";
+    const auto scale = motionScale(readTrajectory(session / "odometry.tum"), *reference);
+    return scale ? scaleComplaint(*scale, resolution_m_, source) : "";
+  }
+
+ private:
+  double resolution_m_ = 0;
+  MotionReference reference_;
+};
+
 /// Runs scans through the pipeline until the source, the user or damage ends it.
 void drive(Slam& slam, ScanSource& source, std::optional<Scan> first, std::size_t taken, const RunOptions& options,
-           RunSummary& summary) {
+           RunSummary& summary, ScaleWatch& scale) {
   std::optional<std::size_t> total = source.size();
   if (total) total = *total - std::min(*total, options.skip);
   if (options.max) total = total ? std::min(*total, *options.max) : *options.max;
@@ -98,6 +127,7 @@ void drive(Slam& slam, ScanSource& source, std::optional<Scan> first, std::size_
       }
       if (!begin) begin = first->stamp;
       end = first->stamp;
+      scale.add(*first);
       slam.process(std::move(*first));
       first.reset();
       progress.update(++taken);
@@ -120,6 +150,7 @@ void loadPlugin(const std::string& library) {
 RunSummary runJob(const RunOptions& options, const PluginContext& context) {
   OpenOptions open;
   open.label = options.label;
+  open.radar = resolveParams(options, nullptr).radar.prefer;
   if (!options.sensor.empty()) open.sensor = loadSensorModel(options.sensor);
   const OpenedSource opened = openSource(options.input, context, open);
   logInfo(context.log, "input: {} ({}): {}", opened.format, opened.why, opened.source->description());
@@ -129,10 +160,10 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context) {
 RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanSource& source,
                   const std::string& format) {
   const auto start = std::chrono::steady_clock::now();
-  const SlamParams params = resolveParams(options, source.planar(), context.log);
   if (options.skip > 0) source.skip(options.skip);
   std::optional<Scan> first = source.next();
   if (!first) throw inputError("{} holds no scans{}", options.input, options.skip > 0 ? " after those skipped" : "");
+  const SlamParams params = resolveParams(options, profileOf(*first, context.log));
 
   const SessionInfo info = describeSession(options, format, params, *first);
   RecoveredSession recovered;
@@ -150,7 +181,8 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanS
   }
 
   RunSummary summary;
-  drive(slam, source, std::move(first), taken, options, summary);
+  ScaleWatch scale;
+  drive(slam, source, std::move(first), taken, options, summary, scale);
   if (summary.end == SessionEnd::kStopped) slam.checkpoint();
   slam.finish(summary.end);
   summary.counts = slam.counts();
@@ -158,6 +190,9 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanS
   summary.session = options.output;
   summary.ground_truth = source.groundTruth();
   summary.T_base_reference = source.T_base_reference();
+  if (params.odometry.frontend.name != "poses" && summary.counts.scans > 0)
+    summary.warning = scale.verdict(options.output, summary.ground_truth);
+  if (!summary.warning.empty()) logWarn(context.log, "{}", summary.warning);
   summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.peak_rss_mb = peakRssMb();
   summary.ms_per_scan_median = percentile(summary.times.scan_ms, 0.5);

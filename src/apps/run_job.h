@@ -26,6 +26,7 @@ struct RunOptions {
 
 struct RunSummary {
   SessionEnd end = SessionEnd::kDone;
+  std::string warning;     ///< what is probably wrong with the input's calibration; was logged
   std::string end_reason;  ///< the input's complaint for kEndedEarly
   SlamCounts counts;
   double input_duration_s = 0;  ///< last stamp - first stamp

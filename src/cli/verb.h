@@ -25,6 +25,8 @@ const std::vector<Verb>& verbs();
 
 Verb runVerb();
 Verb evalVerb();
+Verb placesVerb();
+Verb compareVerb();
 Verb optimizeVerb();
 Verb exportVerb();
 Verb infoVerb();

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace scslam {
 
@@ -55,19 +56,26 @@ struct Step {
   int degenerate_axes = 0;
 };
 
+std::vector<int> heldAxes(const MatchOptions& options) {
+  std::vector<int> axes;
+  for (int axis = 0; axis < 6; ++axis)
+    if (options.held[static_cast<std::size_t>(axis)] || (options.planar && axis >= 2 && axis <= 4))
+      axes.push_back(axis);
+  return axes;
+}
+
 /// @param lever_m turns rotations into lengths, so that one share of information judges all axes.
-/// @param from_guess local(T_map_scan_guess, T_map_scan).
+/// @param from_guess local(T_map_scan_believed, T_map_scan).
 Step solve(const MatchSystem& system, double lever_m, const Vector6d& from_guess, const MatchOptions& options) {
   Vector6d scale;
   scale << 1, 1, 1, 1 / lever_m, 1 / lever_m, 1 / lever_m;
   Matrix6d H = scale.asDiagonal() * system.H * scale.asDiagonal();
   Vector6d g = scale.asDiagonal() * system.g;
-  if (options.planar) {
-    for (const int axis : {2, 3, 4}) {
-      H.row(axis).setZero();
-      H.col(axis).setZero();
-      g(axis) = 0;
-    }
+  const std::vector<int> held = heldAxes(options);
+  for (const int axis : held) {
+    H.row(axis).setZero();
+    H.col(axis).setZero();
+    g(axis) = 0;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(H);
   const double least = options.degenerate_share * system.H.topLeftCorner<3, 3>().trace();
@@ -89,10 +97,8 @@ Step solve(const MatchSystem& system, double lever_m, const Vector6d& from_guess
     const Vector6d pull = prior * scale.cwiseInverse().asDiagonal() * from_guess;
     step.delta = -(step.information + prior).ldlt().solve(kept * g + pull);
   }
-  if (options.planar) {
-    step.degenerate_axes -= 3;
-    for (const int axis : {2, 3, 4}) step.delta(axis) = 0;
-  }
+  step.degenerate_axes -= static_cast<int>(held.size());
+  for (const int axis : held) step.delta(axis) = 0;
   step.delta = scale.asDiagonal() * step.delta;
   const Vector6d unscale = scale.cwiseInverse();
   step.information = unscale.asDiagonal() * step.information * unscale.asDiagonal();
@@ -103,29 +109,25 @@ Step solve(const MatchSystem& system, double lever_m, const Vector6d& from_guess
 /// heading pure.
 void renormalise(Pose& T) { T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix(); }
 
+}  // namespace
+
 double leverOf(const Cloud& source) {
   double sum = 0;
   for (std::size_t i = 0; i < source.size(); ++i) sum += static_cast<double>(source.point(i).squaredNorm());
   return std::max(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(source.size(), 1))), 1e-3);
 }
 
-}  // namespace
-
-MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
-                      const MatchOptions& options, ThreadPool& threads) {
+MatchResult matchBy(const Lineariser& linearise_at, const Pose& T_map_scan_start, MatchKernel kernel, double lever_m,
+                    const MatchOptions& options) {
   MatchResult result;
-  result.T_map_scan = T_map_scan_guess;
-  if (source.empty() || map.empty() || !isRigid(T_map_scan_guess)) return result;
-  MatchKernel kernel;
-  kernel.gate_m = map.level(options.levels.coarsest).voxelSize();
-  kernel.width_m = 0.5 * kernel.gate_m;
-  kernel.inlier_m = options.inlier_m;
-  kernel.sigma_m = options.sigma_m;
-  const double lever_m = leverOf(source);
+  result.T_map_scan = T_map_scan_start;
+  if (!isRigid(T_map_scan_start)) return result;
+  const Pose T_believed = options.T_map_scan_believed.value_or(T_map_scan_start);
+  const double widest_m = kernel.width_m;
   for (; result.iterations < options.max_iterations; ++result.iterations) {
-    result.system = linearise(map, options.levels, source, result.T_map_scan, kernel, threads);
+    result.system = linearise_at(result.T_map_scan, kernel);
     if (result.system.matched < kMinMatches) return result;
-    const Step step = solve(result.system, lever_m, local(T_map_scan_guess, result.T_map_scan), options);
+    const Step step = solve(result.system, lever_m, local(T_believed, result.T_map_scan), options);
     result.degenerate_axes = step.degenerate_axes;
     result.information = step.information / MatchResult::kCorrelatedPoints;
     result.kernel_width_m = kernel.width_m;
@@ -133,13 +135,31 @@ MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose
     renormalise(result.T_map_scan);
     // 3 robust standard deviations; never narrower than the point noise.
     const double sigma = 1.4826 * result.system.medianResidual(kernel.gate_m);
-    kernel.width_m = std::clamp(3.0 * sigma, 2.0 * options.sigma_m, 0.5 * kernel.gate_m);
+    kernel.width_m = std::clamp(3.0 * sigma, 2.0 * options.sigma_m, widest_m);
     if (step.delta.head<3>().norm() < options.step_m && step.delta.tail<3>().norm() < options.step_rad) {
       result.converged = true;
       break;
     }
   }
   return result;
+}
+
+MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
+                      const MatchOptions& options, ThreadPool& threads) {
+  if (source.empty() || map.empty()) {
+    MatchResult nothing;
+    nothing.T_map_scan = T_map_scan_guess;
+    return nothing;
+  }
+  MatchKernel kernel;
+  kernel.gate_m = map.level(options.levels.coarsest).voxelSize();
+  kernel.width_m = 0.5 * kernel.gate_m;
+  kernel.inlier_m = options.inlier_m;
+  kernel.sigma_m = options.sigma_m;
+  const auto planes = [&](const Pose& T_map_scan, const MatchKernel& now) {
+    return linearise(map, options.levels, source, T_map_scan, now, threads);
+  };
+  return matchBy(planes, T_map_scan_guess, kernel, leverOf(source), options);
 }
 
 }  // namespace scslam

@@ -7,6 +7,8 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +57,9 @@ struct MatchSystem {
   double medianResidual(double gate_m) const;
 };
 
+/// Adds the sums, the counts (except `points`) and the histogram of a part.
+void addSystem(const MatchSystem& part, MatchSystem& total);
+
 struct MatchKernel {
   double width_m = 0.3;    ///< of Geman-McClure
   double gate_m = 1.0;     ///< residuals beyond are no match
@@ -78,7 +83,9 @@ struct MatchOptions {
   double sigma_m = 0.03;
   double degenerate_share = 2e-3;  ///< a direction with less than this share of the information is degenerate
   bool planar = false;             ///< x, y and yaw only
+  std::array<bool, 6> held{};      ///< axes (of the scan's frame) that keep their guess, besides those of `planar`
   Matrix6d guess_information = Matrix6d::Zero();  ///< how far the guess itself is to be believed (tangent, frame scan)
+  std::optional<Pose> T_map_scan_believed;        ///< what guess_information is about; nothing: where the match starts
 };
 
 struct MatchResult {
@@ -92,6 +99,9 @@ struct MatchResult {
   /// Information of T_map_scan that can be believed (tangent of core/pose.h, frame scan): points that share a voxel
   /// share its map error, so kCorrelatedPoints of them count as one; degenerate directions carry none.
   Matrix6d information = Matrix6d::Zero();
+  /// Takes the part of a tangent vector (frame scan) that lies in the degenerate directions: what the match leaves
+  /// open.
+  Matrix6d unfixed = Matrix6d::Zero();
 
   /// Measured: makes the mean normalised error of steps on a surveyed drive about 1.
   static constexpr double kCorrelatedPoints = 15.0;
@@ -105,6 +115,17 @@ struct MatchResult {
 /// An empty source or map: not converged.
 MatchResult matchScan(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                       const MatchOptions& options, ThreadPool& threads);
+
+/// matchScan() with a linearisation of the caller's own (lines, distributions): it fills H, g, the counts and the
+/// histogram of a MatchSystem at a pose.
+/// @param kernel of the first iteration; its width then follows the residuals.
+/// @param lever_m what a radian is worth in metres when directions are compared: leverOf(source).
+using Lineariser = std::function<MatchSystem(const Pose& T_map_scan, const MatchKernel& kernel)>;
+MatchResult matchBy(const Lineariser& linearise_at, const Pose& T_map_scan_start, MatchKernel kernel, double lever_m,
+                    const MatchOptions& options);
+
+/// Root mean square distance of the points from their origin [m], at least 1 mm.
+double leverOf(const Cloud& source);
 
 /// Where to look when the guess may be far off: a grid around it, scored on the coarsest level.
 struct PoseGrid {
@@ -123,6 +144,28 @@ struct PoseGrid {
 /// the guess.
 MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
                            const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads);
+
+/// Another place where the scan fits, found on the way to the best one.
+struct RivalPose {
+  Pose T_map_scan = Pose::Identity();
+  double share = 0;  ///< of the best one's mean score
+};
+
+struct SearchResult {
+  MatchResult best;
+  std::vector<RivalPose> rivals;  ///< every start's end, best first; those that ended at the best pose among them
+};
+
+/// Where searchFrom() begins: a grid about a guess.
+struct SearchStart {
+  Pose T_map_scan_guess;
+  PoseGrid grid;
+};
+
+/// searchAndMatch() from several starts at once: the cells of all grids compete. The first start's grid says how many
+/// points and cells are used.
+SearchResult searchFrom(const SurfacePyramid& map, const Cloud& source, const std::vector<SearchStart>& starts,
+                        const MatchOptions& options, ThreadPool& threads);
 
 /// Every k-th point, at most max_points, evenly spread.
 Cloud thinned(const Cloud& cloud, std::size_t max_points);

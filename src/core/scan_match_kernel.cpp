@@ -205,7 +205,9 @@ class Linearisation {
   std::vector<KeyParams> params_;
 };
 
-void add(const MatchSystem& part, MatchSystem& total) {
+}  // namespace
+
+void addSystem(const MatchSystem& part, MatchSystem& total) {
   total.H += part.H;
   total.g += part.g;
   total.matched += part.matched;
@@ -214,8 +216,6 @@ void add(const MatchSystem& part, MatchSystem& total) {
   total.score += part.score;
   for (std::size_t i = 0; i < MatchSystem::kBins; ++i) total.histogram[i] += part.histogram[i];
 }
-
-}  // namespace
 
 MatchSystem linearise(const SurfacePyramid& map, LevelRange levels, const Cloud& source, const Pose& T_map_scan,
                       const MatchKernel& kernel, ThreadPool& threads) {
@@ -226,7 +226,7 @@ MatchSystem linearise(const SurfacePyramid& map, LevelRange levels, const Cloud&
   });
   MatchSystem total;
   total.points = static_cast<std::uint32_t>(source.size());
-  for (const MatchSystem& part : parts) add(part, total);
+  for (const MatchSystem& part : parts) addSystem(part, total);
   total.H.triangularView<Eigen::StrictlyLower>() = total.H.transpose();
   return total;
 }

@@ -77,20 +77,29 @@ Cloud thinned(const Cloud& cloud, std::size_t max_points) {
   return result;
 }
 
-MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
-                           const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads) {
+SearchResult searchFrom(const SurfacePyramid& map, const Cloud& source, const std::vector<SearchStart>& starts,
+                        const MatchOptions& options, ThreadPool& threads) {
   constexpr std::size_t kCellsAtOnce = 32, kRefinePoints = 1500;
   constexpr int kSlides = 48;
-  if (source.empty() || map.empty() || !isRigid(T_map_scan_guess))
-    return matchScan(map, source, T_map_scan_guess, options, threads);
+  const Pose& T_guess = starts.front().T_map_scan_guess;
+  const PoseGrid& grid = starts.front().grid;
+  SearchResult result;
+  if (source.empty() || map.empty() || !isRigid(T_guess)) {
+    result.best = matchScan(map, source, T_guess, options, threads);
+    return result;
+  }
 
   const int coarsest = options.levels.coarsest;
   const double coarse_m = map.level(coarsest).voxelSize();
   // A sensor is seldom mounted level: its z axis is not the axis it turns about, and half a turn doubles the
   // difference.
   const Eigen::Vector3d up = options.planar ? Eigen::Vector3d::UnitZ().eval()
-                                            : map.level(coarsest).upNear(T_map_scan_guess.translation(), 20 * coarse_m);
-  std::vector<Cell> cells = cellsOf(T_map_scan_guess, up, grid);
+                                            : map.level(coarsest).upNear(T_guess.translation(), 20 * coarse_m);
+  std::vector<Cell> cells;
+  for (const SearchStart& start : starts) {
+    const std::vector<Cell> more = cellsOf(start.T_map_scan_guess, up, start.grid);
+    cells.insert(cells.end(), more.begin(), more.end());
+  }
   const Cloud few = thinned(source, grid.max_points);
   threads.forEachChunk(cells.size(), kCellsAtOnce, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i)
@@ -102,28 +111,39 @@ MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const
   coarse.levels = {middle, coarsest};
 
   // The basin of a cell is wider than its score's peak, so many cells slide to their peak before a few are kept.
-  std::vector<Cell> starts = bestCells(std::move(cells), grid, kSlides);
-  threads.forEachChunk(starts.size(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
+  std::vector<Cell> best_cells = bestCells(std::move(cells), grid, kSlides);
+  threads.forEachChunk(best_cells.size(), 1, [&](std::size_t begin, std::size_t end, std::size_t) {
     ThreadPool alone;
     for (std::size_t i = begin; i < end; ++i) {
-      starts[i].T_map_scan = matchScan(map, few, starts[i].T_map_scan, coarsest_only, alone).T_map_scan;
-      starts[i].score = matchScore(map, middle, few, starts[i].T_map_scan, 0.5 * map.level(middle).voxelSize());
+      Cell& cell = best_cells[i];
+      cell.T_map_scan = matchScan(map, few, cell.T_map_scan, coarsest_only, alone).T_map_scan;
+      cell.score = matchScore(map, middle, few, cell.T_map_scan, 0.5 * map.level(middle).voxelSize());
     }
   });
-  starts = bestCells(std::move(starts), grid, grid.candidates);
-  starts.insert(starts.begin(), Cell{T_map_scan_guess, 0});
+  best_cells = bestCells(std::move(best_cells), grid, grid.candidates);
+  best_cells.insert(best_cells.begin(), Cell{T_guess, 0});
 
   const Cloud some = thinned(source, kRefinePoints);
   MatchResult best;
-  best.T_map_scan = T_map_scan_guess;
-  for (const Cell& start : starts) {
+  best.T_map_scan = T_guess;
+  for (const Cell& start : best_cells) {
     const MatchResult rough = matchScan(map, some, start.T_map_scan, coarse, threads);
     MatchResult refined = matchScan(map, some, rough.T_map_scan, fine, threads);
+    result.rivals.push_back({refined.T_map_scan, refined.meanScore()});
     if (refined.meanScore() > best.meanScore()) best = refined;
   }
+  for (RivalPose& rival : result.rivals) rival.share /= std::max(best.meanScore(), 1e-9);
+  std::stable_sort(result.rivals.begin(), result.rivals.end(),
+                   [](const RivalPose& a, const RivalPose& b) { return a.share > b.share; });
   MatchOptions full = options;
   full.guess_information.setZero();
-  return matchScan(map, source, best.T_map_scan, full, threads);
+  result.best = matchScan(map, source, best.T_map_scan, full, threads);
+  return result;
+}
+
+MatchResult searchAndMatch(const SurfacePyramid& map, const Cloud& source, const Pose& T_map_scan_guess,
+                           const PoseGrid& grid, const MatchOptions& options, ThreadPool& threads) {
+  return searchFrom(map, source, {{T_map_scan_guess, grid}}, options, threads).best;
 }
 
 }  // namespace scslam

@@ -1,7 +1,9 @@
 #include "scslam/core/trajectory.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
 
 #include "scslam/core/error.h"
@@ -31,15 +33,33 @@ double number(const std::string& word, const std::string& where) {
   return value;
 }
 
-Pose tumPose(const std::vector<std::string>& words, const std::string& where) {
-  double v[7];
-  for (int i = 0; i < 7; ++i) v[i] = number(words[static_cast<std::size_t>(i) + 1], where);
-  Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+Pose poseOf(const Eigen::Vector3d& t, const Eigen::Quaterniond& q, const std::string& where) {
   if (std::abs(q.norm() - 1) > 0.01) throw inputError("{}: the quaternion's length is {:.4g}, not 1", where, q.norm());
   Pose T = Pose::Identity();
   T.linear() = q.normalized().toRotationMatrix();
-  T.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+  T.translation() = t;
   return T;
+}
+
+StampedPose tumPose(const std::vector<std::string>& words, const std::string& where) {
+  double v[7];
+  for (int i = 0; i < 7; ++i) v[i] = number(words[static_cast<std::size_t>(i) + 1], where);
+  StampedPose pose;
+  if (!parseStamp(words[0], pose.stamp)) throw inputError("{}: '{}' is not a time in seconds", where, words[0]);
+  pose.T = poseOf({v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}, where);
+  return pose;
+}
+
+/// EuRoC: nanoseconds, position, quaternion with w first; what follows (velocity, biases) does not matter here.
+StampedPose eurocPose(const std::vector<std::string>& words, const std::string& where) {
+  double v[7];
+  for (int i = 0; i < 7; ++i) v[i] = number(words[static_cast<std::size_t>(i) + 1], where);
+  StampedPose pose;
+  errno = 0;
+  pose.stamp = stampFromNanoseconds(std::strtoll(words[0].c_str(), nullptr, 10));
+  if (errno != 0) throw inputError("{}: '{}' is not a time in nanoseconds", where, words[0]);
+  pose.T = poseOf({v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}, where);
+  return pose;
 }
 
 Pose kittiPose(const std::vector<std::string>& words, const std::string& where) {
@@ -49,6 +69,20 @@ Pose kittiPose(const std::vector<std::string>& words, const std::string& where) 
   if ((R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.02 || R.determinant() < 0)
     throw inputError("{}: the 3x3 part is not a rotation", where);
   return orthonormalised(T);
+}
+
+enum class Form { kTum, kKitti, kEuroc };
+
+Form formOf(const std::vector<std::string>& words, bool commas, const std::string& where) {
+  // Seconds have at most ten digits before the point for centuries to come; nanoseconds since 1970 have 19.
+  const bool nanoseconds = words[0].size() >= 15 && words[0].find_first_not_of("0123456789") == std::string::npos;
+  if (commas && nanoseconds && words.size() >= 8) return Form::kEuroc;
+  if (words.size() == 8) return Form::kTum;
+  if (words.size() == 12) return Form::kKitti;
+  throw inputError(
+      "{}: {} columns; a trajectory has 8 (TUM: time x y z qx qy qz qw), 12 (KITTI: 3x4 matrix), or is an EuRoC table "
+      "(ns,x,y,z,qw,qx,qy,qz,…)",
+      where, words.size());
 }
 
 }  // namespace
@@ -76,32 +110,30 @@ Trajectory readTrajectory(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   Trajectory result;
   std::size_t columns = 0, line_number = 0;
+  Form form = Form::kTum;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view line = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;
     ++line_number;
-    if (line.find_first_not_of(" \t\r") == std::string_view::npos || line[line.find_first_not_of(" \t\r")] == '#')
-      continue;
     const auto words = splitWords(line);
+    if (words.empty() || words[0][0] == '#') continue;
     const std::string where = fmt::format("{}:{}", file.string(), line_number);
-    if (columns == 0) columns = words.size();
+    if (columns == 0) {
+      columns = words.size();
+      form = formOf(words, line.find(',') != std::string_view::npos, where);
+      result.timed = form != Form::kKitti;
+    }
     if (words.size() != columns)
       throw inputError("{}: {} columns, the lines above have {}", where, words.size(), columns);
-    if (columns == 12) {
-      result.timed = false;
-      result.poses.push_back({Stamp{}, kittiPose(words, where)});
-    } else if (columns == 8) {
-      StampedPose pose;
-      if (!parseStamp(words[0], pose.stamp)) throw inputError("{}: '{}' is not a time in seconds", where, words[0]);
-      if (!result.poses.empty() && pose.stamp <= result.poses.back().stamp)
-        throw inputError("{}: time {} does not come after the line above", where, words[0]);
-      pose.T = tumPose(words, where);
-      result.poses.push_back(pose);
-    } else {
-      throw inputError("{}: {} columns; a trajectory has 8 (TUM: time x y z qx qy qz qw) or 12 (KITTI: 3x4 matrix)",
-                       where, columns);
-    }
+    StampedPose pose;
+    if (form == Form::kKitti)
+      pose.T = kittiPose(words, where);
+    else
+      pose = form == Form::kTum ? tumPose(words, where) : eurocPose(words, where);
+    if (result.timed && !result.poses.empty() && pose.stamp <= result.poses.back().stamp)
+      throw inputError("{}: time {} does not come after the line above", where, words[0]);
+    result.poses.push_back(pose);
   }
   if (result.poses.empty()) throw inputError("{} holds no poses", file.string());
   return result;

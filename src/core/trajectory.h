@@ -1,4 +1,4 @@
-// A time-ordered list of poses, and the two text forms everybody exchanges: TUM and KITTI.
+// A time-ordered list of poses, and the text forms everybody exchanges: TUM, KITTI, EuRoC.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -23,9 +23,9 @@ struct Trajectory {
   std::optional<Pose> at(Stamp stamp, double tolerance_s = 0.01, double max_gap_s = 5.0) const;
 };
 
-/// Reads a TUM file ("stamp x y z qx qy qz qw") or a KITTI file (12 numbers, row-major 3x4); guesses which by the
-/// number of columns. Comment lines (#) and blank lines are skipped. @throw inputError with file:line for anything
-/// else.
+/// Reads a TUM file ("stamp x y z qx qy qz qw"), a KITTI file (12 numbers, row-major 3x4) or an EuRoC table (commas;
+/// nanoseconds, x, y, z, qw, qx, qy, qz, …); guesses which by the first row. Comment lines (#) and blank lines are
+/// skipped. @throw inputError with file:line for anything else.
 Trajectory readTrajectory(const std::filesystem::path& file);
 /// Poses of a reference frame (T_world_reference) to poses of the base: T_world_base = T_world_reference *
 /// T_base_reference^-1.

@@ -7,6 +7,38 @@
 
 namespace scslam {
 
+namespace {
+
+/// What the points of a voxel look like: their axis, and the two eigenvalues whose ratio tells how clear it is.
+struct Shape {
+  Eigen::Vector3d axis;  ///< normal of a plane, direction of a line
+  double less, more;     ///< [m^2]
+  double variance;       ///< that the surface's own noise makes [m^2]
+};
+
+Shape planeShape(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance);
+  const Eigen::Vector3d v = eigen.eigenvalues();
+  return {eigen.eigenvectors().col(0), v[0], v[1], v[0]};
+}
+
+Shape lineShape(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance);
+  const Eigen::Vector3d v = eigen.eigenvalues();
+  return {eigen.eigenvectors().col(2), v[1], v[2], 0.5 * (v[0] + v[1])};
+}
+
+Shape planarShape(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  eigen.computeDirect(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d v = eigen.eigenvalues(), normal = eigen.eigenvectors().col(0);
+  return {Eigen::Vector3d(normal.x(), normal.y(), 0.0), v[0], v[1], v[0]};
+}
+
+}  // namespace
+
 VoxelFrame::VoxelFrame(const Pose& T, double voxel_m) : R(T.linear().cast<float>()) {
   const Eigen::Vector3d corner = (T.translation() / voxel_m).array().floor();
   anchor = corner.cast<int>();
@@ -68,31 +100,20 @@ Surfel VoxelSurface::fitted(const Moments& m) const {
   Eigen::Matrix3d covariance;
   covariance << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
   covariance = covariance / n - mean * mean.transpose();
-
-  double smallest, middle;
-  Eigen::Vector3d normal;
-  if (rules_.planar) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
-    eigen.computeDirect(covariance.topLeftCorner<2, 2>());
-    smallest = eigen.eigenvalues()[0], middle = eigen.eigenvalues()[1];
-    normal << eigen.eigenvectors().col(0), 0.0;
-  } else {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-    eigen.computeDirect(covariance);
-    smallest = eigen.eigenvalues()[0], middle = eigen.eigenvalues()[1];
-    normal = eigen.eigenvectors().col(0);
-  }
+  const Shape shape = rules_.planar  ? planarShape(covariance)
+                      : rules_.lines ? lineShape(covariance)
+                                     : planeShape(covariance);
 
   Surfel surfel;
   surfel.count = m.n;
-  const bool flat = smallest <= static_cast<double>(rules_.max_flatness) * middle &&
-                    middle >= static_cast<double>(rules_.min_spread) * voxel_m_ * voxel_m_;
-  if (!flat || !normal.allFinite()) return surfel;
+  const bool clear = shape.less <= static_cast<double>(rules_.max_flatness) * shape.more &&
+                     shape.more >= static_cast<double>(rules_.min_spread) * voxel_m_ * voxel_m_;
+  if (!clear || !shape.axis.allFinite()) return surfel;
   const Eigen::Vector3f offset = (mean.array() + 0.5 * voxel_m_).cast<float>();
   surfel.mx = offset.x(), surfel.my = offset.y(), surfel.mz = offset.z();
-  surfel.nx = static_cast<float>(normal.x()), surfel.ny = static_cast<float>(normal.y());
-  surfel.nz = static_cast<float>(normal.z());
-  surfel.variance = static_cast<float>(std::max(smallest, 0.0));
+  surfel.nx = static_cast<float>(shape.axis.x()), surfel.ny = static_cast<float>(shape.axis.y());
+  surfel.nz = static_cast<float>(shape.axis.z());
+  surfel.variance = static_cast<float>(std::max(shape.variance, 0.0));
   return surfel;
 }
 

@@ -13,24 +13,25 @@
 
 namespace scslam {
 
-/// Half a cache line. Position is relative to the voxel's low corner, so that a map kilometres away from its origin
-/// keeps full float precision.
+/// A plane, or (SurfelRules::lines) a straight line. Half a cache line. Position is relative to the voxel's low corner,
+/// so that a map kilometres away from its origin keeps full float precision.
 struct Surfel {
   float mx = 0, my = 0, mz = 0;  ///< mean of the points [m], from the voxel's low corner
-  float nx = 0, ny = 0, nz = 0;  ///< unit normal; its sign means nothing
-  float variance = -1;           ///< of the points along the normal [m^2]; negative: the voxel holds no plane
+  float nx = 0, ny = 0, nz = 0;  ///< unit normal (of a line: its direction); the sign means nothing
+  float variance = -1;           ///< of the points along the normal (across the line) [m^2]; negative: none is held
   float count = 0;               ///< points in the fit
 
   bool valid() const { return variance >= 0; }
 };
 
-/// Which plane fits count.
+/// Which plane (or line) fits count.
 struct SurfelRules {
   int min_points = 5;
   int max_points = 200;       ///< a full voxel takes no more points: the first drive anchors the map
   float max_flatness = 0.3f;  ///< smallest / middle eigenvalue of the covariance
   float min_spread = 0.005f;  ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
   bool planar = false;        ///< 2-D data: lines in the x-y plane, normals horizontal
+  bool lines = false;         ///< straight edges in space: max_flatness is middle / largest, min_spread the largest
 
   /// What was found best on recordings. A planar scan has few points and a cluttered room few clean lines: there a
   /// rough line, with its variance, is worth more than none.
@@ -38,6 +39,15 @@ struct SurfelRules {
     SurfelRules rules;
     rules.planar = planar;
     if (planar) rules.min_points = 3, rules.max_flatness = 0.35f;
+    return rules;
+  }
+  /// Edges of things, as LOAM defines them: one direction holds three times the variance of the next.
+  static SurfelRules edges() {
+    SurfelRules rules;
+    rules.lines = true;
+    rules.min_points = 4;
+    rules.max_flatness = 1.0f / 3;
+    rules.min_spread = 0.01f;
     return rules;
   }
 };
@@ -72,6 +82,12 @@ class VoxelSurface {
     return i != VoxelIndex::kAbsent && surfels_[i].valid() ? &surfels_[i] : nullptr;
   }
   bool occupied(VoxelKey key) const { return index_.find(key) != VoxelIndex::kAbsent; }
+  /// Calls visit(VoxelCoord, const Surfel&) for every voxel that holds a plane, in the order in which they appeared.
+  template <class Visit>
+  void forEachPlane(Visit visit) const {
+    for (std::size_t i = 0; i < surfels_.size(); ++i)
+      if (surfels_[i].valid()) visit(unpackVoxel(index_.keys()[i]), surfels_[i]);
+  }
 
   /// Mean direction of the planes within 18 degrees of level and radius_m of `centre`: the local up (ground, floors).
   /// @return +z where there are none.

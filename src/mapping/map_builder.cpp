@@ -74,8 +74,11 @@ class MapBuild {
     std::error_code error;
     std::filesystem::create_directories(out_folder, error);
     if (error) throw inputError("cannot create {}: {}", out_folder.string(), error.message());
-    const MapInfo info{out_folder, options.voxel_m.value_or(0), session.info().planar, session.trajectory(),
-                       session.graph()};
+    const SessionInfo& of = session.info();
+    const MapInfo info{out_folder,      options.voxel_m.value_or(0),
+                       of.planar,       session.trajectory(),
+                       session.graph(), of.input,
+                       of.sensor_label, of.sensor_table};
     std::set<std::string> done;
     for (const std::string& format : formats) {
       if (!done.insert(format).second) continue;

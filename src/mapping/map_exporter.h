@@ -18,8 +18,9 @@ struct MapInfo {
   std::filesystem::path folder;  ///< where the exporter writes, exists
   double voxel_m = 0;            ///< resolution asked for; 0 = the format's own default
   bool planar = false;
-  std::vector<StampedPose> trajectory;  ///< T_map_base of every scan
-  PoseGraph graph;                      ///< over T_map_base of the keyframes
+  std::vector<StampedPose> trajectory;            ///< T_map_base of every scan
+  PoseGraph graph;                                ///< over T_map_base of the keyframes
+  std::string input, sensor_label, sensor_table;  ///< of the session (session_writer.h)
 };
 
 /// One keyframe's share of the map.

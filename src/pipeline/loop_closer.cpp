@@ -16,13 +16,36 @@ Matrix6d pathCovariance(const std::vector<Keyframe>& keyframes, KeyframeId match
   return covariance;
 }
 
+OdometryPrediction prediction(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
+                              KeyframeId match, KeyframeId query) {
+  return {T_map_base[match].inverse() * T_map_base[query], pathCovariance(keyframes, match, query),
+          keyframes[query].travelled_m - keyframes[match].travelled_m};
+}
+
+void fill(LoopRecord& record, const Verification& verification) {
+  const RegistrationResult& result = verification.registration;
+  record.registered = true;
+  record.T_match_query = result.T_target_source;
+  record.information = result.hessian;
+  record.rmse_m = result.rmse_m, record.inlier_ratio = result.inlier_ratio;
+  record.explained = result.explained, record.overlap = result.overlap;
+  record.unfixed_axes = result.degenerate_axes;
+  record.odometry_mahalanobis2 = verification.odometry_mahalanobis2;
+  record.free_space_checked = verification.free_space.has_value();
+  if (verification.free_space) {
+    record.target_overlap = verification.free_space->target_overlap;
+    record.seen_through = std::max(verification.free_space->through_submap, verification.free_space->through_scan);
+  }
+  record.reason = verification.refusal;
+}
+
 }  // namespace
 
-LoopCloser::LoopCloser(const SlamParams& params, const PluginContext& context)
+LoopCloser::LoopCloser(const SlamParams& params, const PluginContext& context, const Pose& T_base_sensor)
     : params_(params.registration),
       names_(params.place.recognisers.names),
       recognisers_(params.place.recognisers.create(context)),
-      registration_(params.registration.method.create(context)) {}
+      verifier_(params.registration.method.create(context), params.registration.gates, T_base_sensor.translation()) {}
 
 Descriptor LoopCloser::describe(const Keyframe& keyframe, const Cloud& cloud_base) const {
   const bool described = !recognisers_.empty() && recognisers_.front()->usesScans();
@@ -32,15 +55,14 @@ Descriptor LoopCloser::describe(const Keyframe& keyframe, const Cloud& cloud_bas
 void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, CloudStore& clouds) {
   for (const auto& recogniser : recognisers_) {
     const bool first = recogniser == recognisers_.front();
-    if (first || !recogniser->usesScans())
-      recogniser->add(keyframe, first ? descriptor : Descriptor());
-    else
-      recogniser->add(keyframe, recogniser->describe(keyframe, *clouds.get(keyframe.id)));
+    const auto cloud = recogniser->usesScans() ? clouds.get(keyframe.id) : std::make_shared<const Cloud>();
+    recogniser->add(keyframe, first ? descriptor : Descriptor(), *cloud);
   }
 }
 
 std::vector<LoopRecord> LoopCloser::close(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                                           CloudStore& clouds) {
+  target_.reset();
   std::vector<LoopRecord> records;
   for (std::size_t r = 0; r < recognisers_.size(); ++r) {
     recognisers_[r]->setPoses(T_map_base);
@@ -58,38 +80,36 @@ LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidat
                               const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                               CloudStore& clouds) {
   const Keyframe& query = keyframes.back();
-  const Keyframe& match = keyframes[candidate.match];
   LoopRecord record;
-  record.query = query.id, record.match = match.id;
+  record.query = query.id, record.match = candidate.match;
   record.recogniser = recogniser;
   record.distance = candidate.distance;
   record.yaw_guess_rad = yawOf(candidate.T_match_query);
 
-  const Pose T_match_query_predicted = T_map_base[match.id].inverse() * T_map_base[query.id];
-  const double travelled_m = query.travelled_m - match.travelled_m;
-  record.reason = implausible(T_match_query_predicted, travelled_m, params_.gates);
+  const OdometryPrediction predicted = prediction(keyframes, T_map_base, candidate.match, query.id);
+  record.reason = implausible(predicted, params_.gates);
   if (!record.reason.empty()) return record;
 
-  const auto members =
-      submapMembers(keyframes, match.id, query.id, params_.submap_reach_m, params_.submap_max_each_side);
-  registration_->setTarget(
-      buildSubmap(members, match.id, T_map_base, [&clouds](KeyframeId k) { return clouds.get(k); }));
-  const RegistrationResult result = registration_->align(*clouds.get(query.id), candidate.T_match_query, query.planar);
-  record.registered = true;
-  record.T_match_query = result.T_target_source;
-  record.information = result.hessian;
-  record.rmse_m = result.rmse_m, record.inlier_ratio = result.inlier_ratio, record.overlap = result.overlap;
-  record.odometry_mahalanobis2 =
-      odometryDisagreement(result.T_target_source, T_match_query_predicted,
-                           pathCovariance(keyframes, match.id, query.id), travelled_m, query.planar, params_.gates);
-
-  record.reason = refusal(result, params_.gates);
-  if (record.reason.empty() && record.odometry_mahalanobis2 > params_.gates.max_odometry_mahalanobis2)
-    record.reason = fmt::format("odometry disagrees: chi2 {:.1f} > {:.1f}", record.odometry_mahalanobis2,
-                                params_.gates.max_odometry_mahalanobis2);
+  setTarget(candidate.match, keyframes, T_map_base, clouds);
+  fill(record, verifier_.verify(*clouds.get(query.id), {candidate.T_match_query}, predicted, query.planar));
   record.accepted = record.reason.empty();
   if (record.accepted) record.reason = "accepted";
   return record;
+}
+
+void LoopCloser::setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes,
+                           const std::vector<Pose>& T_map_base, CloudStore& clouds) {
+  if (target_ == match) return;
+  const auto cloud_of = [&clouds](KeyframeId k) { return clouds.get(k); };
+  const auto members =
+      submapMembers(keyframes, match, keyframes.back().id, params_.submap_reach_m, params_.submap_max_each_side);
+  LoopTarget target{buildSubmap(members, match, T_map_base, cloud_of), {}, {}};
+  for (const KeyframeId k : members) {
+    target.T_target_base.push_back(T_map_base[match].inverse() * T_map_base[k]);
+    target.clouds.push_back(cloud_of(k));
+  }
+  verifier_.setTarget(std::move(target));
+  target_ = match;
 }
 
 }  // namespace scslam

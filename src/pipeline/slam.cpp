@@ -10,9 +10,12 @@ Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter
     : params_(params),
       context_(context),
       session_(session),
+      radar_points_(params.radar, context),
       odometry_(params.odometry.frontend.create(context)),
       selector_(params.keyframe),
-      loops_(params, context),
+      loops_(params, context, T_base_sensor),
+      ledger_(params.graph),
+      satellites_(params.graph.gnss),
       clouds_(session.folder(), static_cast<std::size_t>(params.session.cloud_cache_mb * 1e6),
               [T_base_sensor, voxel_m = params.registration.voxel_m](const Cloud& cloud_sensor) {
                 Cloud thinned = selected(cloud_sensor, firstPerVoxel(cloud_sensor, voxel_m));
@@ -31,6 +34,7 @@ void Slam::process(Scan scan) {
   const auto start = std::chrono::steady_clock::now();
   {
     const StageTimer timer(times_, Stage::kPreprocess);
+    if (scan.radar) takePoints(scan);
     preprocess(scan, params_.preprocess);
   }
   OdometryStep step;
@@ -45,6 +49,7 @@ void Slam::process(Scan scan) {
   const bool due = selector_.isDue(step.T_odom_base, step.covariance) && !step.cloud.empty();
   if (due) addKeyframe(scan, step);
   session_.addScan({scan.index, scan.stamp, step.T_odom_base, static_cast<std::int64_t>(keyframes_.size()) - 1});
+  collectFixes(scan, step);
   if (due) closeLoops();
   if (due && keyframes_.size() % static_cast<std::size_t>(params_.session.checkpoint_every) == 0) checkpoint();
   times_.scan_ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
@@ -61,6 +66,12 @@ bool Slam::inOrder(const Scan& scan) {
   return true;
 }
 
+void Slam::takePoints(Scan& sweep) {
+  std::string note;
+  sweep.cloud = radar_points_(*sweep.radar, note);
+  if (!note.empty()) say(fmt::format("scan {}: {}", sweep.index, note));
+}
+
 void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
   Keyframe keyframe;
   keyframe.id = static_cast<KeyframeId>(keyframes_.size());
@@ -71,6 +82,7 @@ void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
 
   const Pose T_map_base = appendNode(graph_, keyframes_, keyframe, params_.graph);
   keyframes_.push_back(keyframe);
+  ledger_.addNode(keyframe);
   ++counts_.keyframes;
   Descriptor descriptor;
   {
@@ -87,25 +99,40 @@ void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
 
 void Slam::closeLoops() {
   std::vector<LoopRecord> records;
+  bool solve = satellites_.due();
   {
     const StageTimer timer(times_, Stage::kRegistration);
     records = loops_.close(keyframes_, graph_.poses, clouds_);
   }
-  bool accepted = false;
-  for (const LoopRecord& record : records) {
-    ++counts_.candidates;
-    counts_.loops += record.accepted;
-    accepted |= record.accepted;
-    if (record.accepted) graph_.factors.push_back(loopFactor(record, params_.graph));
+  for (LoopRecord& record : records) {
+    ledger_.add(record);
+    solve |= record.accepted;
     session_.addLoop(record);
     say(fmt::format("loop {} -> {}: {}", record.query, record.match, record.reason));
   }
-  if (accepted) optimise();
+  if (solve) optimise();
+  counts_.candidates = ledger_.candidates(), counts_.loops = ledger_.accepted();
+}
+
+void Slam::collectFixes(const Scan& scan, const OdometryStep& step) {
+  for (const GnssRecord& record :
+       satellites_.take(scan, step.T_odom_base, keyframes_.empty() ? nullptr : &keyframes_.back())) {
+    satellites_.add(record);
+    session_.addGnss(record);
+  }
 }
 
 void Slam::optimise() {
   const StageTimer timer(times_, Stage::kGraph);
-  scslam::optimise(graph_, params_.graph.optimiser);
+  PoseGraph graph = graph_;
+  ledger_.appendTo(graph);
+  satellites_.appendTo(graph);
+  ledger_.note(scslam::optimise(graph, params_.graph.optimiser));
+  std::copy_n(graph.poses.begin(), graph_.poses.size(), graph_.poses.begin());
+  for (const LoopVerdict& verdict : ledger_.judge()) {
+    session_.judgeLoop(verdict);
+    say(fmt::format("loop candidate {}: {}", verdict.loop, verdict.reason));
+  }
   session_.setPoses(graph_.poses);
   odometry_->correct(graph_.poses.back() * keyframes_.back().T_odom_base.inverse());
 }
@@ -119,6 +146,7 @@ void Slam::checkpoint() {
                                        counts_.late_scans, counts_.lost_scans});
   selector_.save(state);
   odometry_->save(state);
+  satellites_.save(state);
   session_.checkpoint(state.bytes());
 }
 
@@ -133,20 +161,30 @@ std::size_t Slam::resume(RecoveredSession recovered) {
              counts.at(5)};
   selector_.load(state);
   odometry_->load(state);
+  satellites_.load(state);
+  for (const GnssRecord& record : recovered.gnss) satellites_.add(record);
   for (std::size_t k = 0; k < recovered.keyframes.size(); ++k) {
     appendNode(graph_, keyframes_, recovered.keyframes[k], params_.graph);
     keyframes_.push_back(recovered.keyframes[k]);
+    ledger_.addNode(recovered.keyframes[k]);
     loops_.add(recovered.keyframes[k], recovered.descriptors[k], clouds_);
-    for (const LoopRecord& record : recovered.loops)
-      if (record.accepted && record.query == k) graph_.factors.push_back(loopFactor(record, params_.graph));
   }
+  for (const LoopRecord& record : recovered.loops) ledger_.restore(record);
   graph_.poses = std::move(recovered.T_map_base);
   return taken_;
 }
 
 void Slam::finish(SessionEnd end) {
+  if (end != SessionEnd::kStopped && satellites_.anyNew()) optimise();
+  counts_.loops = ledger_.accepted();
   const StageTimer timer(times_, Stage::kSession);
-  session_.finish(graph_, end);
+  session_.finish(graph(), end);
+}
+
+PoseGraph Slam::graph() const {
+  PoseGraph graph = graph_;
+  ledger_.appendAcceptedTo(graph);
+  return graph;
 }
 
 void Slam::say(const std::string& line) {

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "scslam/pipeline/loop_closer.h"
+#include "scslam/pipeline/loop_ledger.h"
+#include "scslam/pipeline/satellites.h"
 #include "scslam/pipeline/stages.h"
 #include "scslam/session/cloud_store.h"
 #include "scslam/session/session_writer.h"
@@ -36,27 +38,33 @@ class Slam {
 
   const SlamCounts& counts() const { return counts_; }
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  const PoseGraph& graph() const { return graph_; }
+  /// Odometry and the accepted loops.
+  PoseGraph graph() const;
   const StageTimes& times() const { return times_; }
 
  private:
   bool inOrder(const Scan& scan);
+  void takePoints(Scan& sweep);
   void addKeyframe(const Scan& scan, const OdometryStep& step);
   void closeLoops();
+  void collectFixes(const Scan& scan, const OdometryStep& step);
   void optimise();
   void say(const std::string& line);
 
   SlamParams params_;
   PluginContext context_;
   SessionWriter& session_;
+  RadarPoints radar_points_;
   std::unique_ptr<Odometry> odometry_;
   KeyframeSelector selector_;
   LoopCloser loops_;
+  LoopLedger ledger_;
+  Satellites satellites_;
   CloudStore clouds_;  ///< thinned, frame base
   Pose T_base_sensor_;
 
   std::vector<Keyframe> keyframes_;
-  PoseGraph graph_;        ///< nodes = keyframes, T_map_base
+  PoseGraph graph_;        ///< nodes = keyframes, T_map_base; odometry alone
   std::size_t taken_ = 0;  ///< scans taken from the source
   std::optional<Stamp> last_stamp_;
   SlamCounts counts_;

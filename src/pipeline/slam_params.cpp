@@ -16,8 +16,19 @@ void RegistrationParams::describe(ParamVisitor& v) {
   v.group("gates", gates, "what a loop must show");
 }
 
+void GnssParams::describe(ParamVisitor& v) {
+  v.field("enabled", enabled, "satellite fixes of the recording enter the graph");
+  v.field("min_fixes", min_fixes, "fixes needed before their frame can be placed in the map", 3, 1000000);
+  v.field("min_spread_m", min_spread_m, "root mean square of their distance from their mean, likewise [m]", 0.1, 1e6);
+  v.field("solve_every", solve_every, "new fixes after which the graph is solved", 1, 1000000);
+  v.field("floor_m", floor_m, "a fix is never trusted better than this, one sigma, level [m]", 1e-3, 1000);
+  v.field("floor_up_m", floor_up_m, "and upwards [m]", 1e-3, 1000);
+}
+
 void GraphParams::describe(ParamVisitor& v) {
   v.group("optimiser", optimiser, "the solver");
+  v.group("consistency", consistency, "which loops agree with each other");
+  v.group("gnss", gnss, "satellite fixes");
   v.field("odometry_floor_m", odometry_floor_m,
           "odometry between keyframes is never trusted better than this, one sigma [m]", 1e-6, 10);
   v.field("odometry_floor_deg", odometry_floor_deg, "and this [deg]", 1e-6, 90);
@@ -31,6 +42,7 @@ void SessionParams::describe(ParamVisitor& v) {
 }
 
 void SlamParams::describe(ParamVisitor& v) {
+  v.group("radar", radar, "from a radar's power image to points");
   v.group("preprocess", preprocess, "what is done to a scan before anything else");
   v.group("odometry", odometry, "how did the robot move since the last scan");
   v.group("keyframe", keyframe, "when a scan becomes a place");

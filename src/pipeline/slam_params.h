@@ -3,6 +3,7 @@
 #include <string>
 
 #include "scslam/core/plugin_choice.h"
+#include "scslam/graph/consistency.h"
 #include "scslam/graph/optimiser.h"
 #include "scslam/keyframe/selector.h"
 #include "scslam/odometry/odometry.h"
@@ -10,6 +11,7 @@
 #include "scslam/registration/loop_gates.h"
 #include "scslam/registration/registration.h"
 #include "scslam/sensor/preprocess.h"
+#include "scslam/sensor/radar_points.h"
 
 namespace scslam {
 
@@ -35,8 +37,19 @@ struct RegistrationParams : ParamSetOf<RegistrationParams> {
   void describe(ParamVisitor& visitor) override;
 };
 
+/// How satellite fixes count.
+struct GnssParams : ParamSetOf<GnssParams> {
+  bool enabled = true;
+  int min_fixes = 10, solve_every = 20;
+  double min_spread_m = 10;
+  double floor_m = 0.3, floor_up_m = 0.6;
+  void describe(ParamVisitor& visitor) override;
+};
+
 struct GraphParams : ParamSetOf<GraphParams> {
   OptimiserParams optimiser;
+  ConsistencyParams consistency;
+  GnssParams gnss;
   double odometry_floor_m = 0.01, odometry_floor_deg = 0.05;
   double loop_floor_m = 0.05, loop_floor_deg = 0.2;
   GraphParams() {
@@ -53,6 +66,7 @@ struct SessionParams : ParamSetOf<SessionParams> {
 };
 
 struct SlamParams : ParamSetOf<SlamParams> {
+  RadarParams radar;
   PreprocessParams preprocess;
   OdometryParams odometry;
   KeyframeParams keyframe;

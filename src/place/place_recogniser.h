@@ -28,8 +28,12 @@ class PlaceRecogniser {
   virtual Descriptor describe(const Keyframe& keyframe, const Cloud& cloud_base) const = 0;
   /// False for recognisers that look at poses only: describe() is then not called and add() gets an empty descriptor.
   virtual bool usesScans() const { return true; }
-  /// Stores the keyframe (ids in order, from 0) with its descriptor.
-  virtual void add(const Keyframe& keyframe, const Descriptor& descriptor) = 0;
+  /// Stores the keyframe (ids in order, from 0).
+  /// @param descriptor what describe() gave, perhaps read back from a session; empty: made from the cloud here.
+  /// @param cloud_base the keyframe's cloud as the session keeps it (so that a resumed run gets the same), for what a
+  /// recogniser needs besides its descriptor; empty: it does with the descriptor.
+  virtual void add(const Keyframe& keyframe, const Descriptor& descriptor, const Cloud& cloud_base) = 0;
+  void add(const Keyframe& keyframe, const Descriptor& descriptor) { add(keyframe, descriptor, Cloud()); }
   /// Candidates for keyframe k among the earlier ones that are at least min_travel away along the path, best first.
   virtual std::vector<PlaceCandidate> query(KeyframeId k) const = 0;
   /// The present estimate of all keyframes, before a query: for recognisers that look where the robot is believed to

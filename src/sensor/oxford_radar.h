@@ -1,6 +1,6 @@
 // The polar PNG of Oxford Radar RobotCar, Boreas and MulRan's polar_oxford_form: 8-bit grey, one row per azimuth.
-// Bytes of a row: 0-7 stamp [us since 1970] and 8-9 encoder (0 … 5599), both little-endian, 10 validity, then the power
-// of each range bin.
+// Bytes of a row: 0-7 stamp [us since 1970; ns in MulRan's] and 8-9 encoder (0 … 5599), both little-endian, 10
+// validity, then the power of each range bin.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -16,6 +16,7 @@ constexpr int kNavtechEncoderCounts = 5600;
 struct OxfordRadarFormat {
   double range_resolution_m = 0.0432;  ///< CTS350-X; CIR204-H has 0.0596
   double range_offset_m = 0;
+  bool validity = true;  ///< byte 10 says whether the row was measured (Boreas leaves it unused)
   std::string label = "radar";
   Pose T_base_sensor = Pose::Identity();
 };

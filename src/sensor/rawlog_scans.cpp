@@ -13,6 +13,8 @@
 #include "scslam/core/error.h"
 #include "scslam/core/mrpt_pose.h"
 #include "scslam/sensor/cloud_files.h"
+#include "scslam/sensor/radar_observation.h"
+#include "scslam/sensor/radar_sweep.h"
 #include "scslam/sensor/rawlog_objects.h"
 
 namespace scslam {
@@ -215,12 +217,17 @@ Cloud cloudFrom(const CObservationRotatingScan& scan, const std::optional<Sensor
 
 }  // namespace
 
+bool isRadarScan(const mrpt::obs::CObservation& observation) {
+  return dynamic_cast<const CObservationRadar*>(&observation) != nullptr;
+}
+
 bool isPlanarScan(const mrpt::obs::CObservation& observation) {
-  return dynamic_cast<const CObservation2DRangeScan*>(&observation) != nullptr;
+  return dynamic_cast<const CObservation2DRangeScan*>(&observation) != nullptr || isRadarScan(observation);
 }
 
 bool isScan(const mrpt::obs::CObservation& observation, const std::optional<SensorModel>& sensor) {
   if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) return scan->getScanSize() != 0;
+  if (const auto* radar = dynamic_cast<const CObservationRadar*>(&observation)) return radar->scan.azimuths != 0;
   if (const auto* scan = dynamic_cast<const CObservationVelodyneScan*>(&observation))
     return !scan->point_cloud.x.empty() || !scan->scan_packets.empty();
   if (const auto* scan = dynamic_cast<const CObservationPointCloud*>(&observation))
@@ -233,6 +240,11 @@ bool isScan(const mrpt::obs::CObservation& observation, const std::optional<Sens
 Scan scanFrom(mrpt::obs::CObservation& observation, const std::optional<SensorModel>& sensor,
               const std::filesystem::path& rawlog) {
   Scan scan;
+  if (const auto* radar = dynamic_cast<const CObservationRadar*>(&observation)) {
+    RadarScan sweep = radar->scan;
+    if (sensor) applyTable(sensor->radar, sweep);
+    scan = scanOfSweep(std::move(sweep));
+  }
   if (const auto* planar = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
     scan.cloud = cloudFrom(*planar);
     scan.planar = true;

@@ -35,9 +35,11 @@ OpenedSource openSource(const std::filesystem::path& uri, const PluginContext& c
   std::unique_ptr<ScanFormat> best_format;
   int best_confidence = 0;
   std::string looked_for;
+  constexpr int kPreferred = 1000;  // above every confidence
   for (const std::string& name : registry.names()) {
     auto format = registry.create(name, context);
-    const auto guess = format->probe(uri);
+    auto guess = format->probe(uri);
+    if (options.radar && guess.radar) guess.confidence += kPreferred;
     if (guess.confidence > best_confidence) {
       best_confidence = guess.confidence;
       best_format = std::move(format);

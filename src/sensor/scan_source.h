@@ -37,6 +37,7 @@ class ScanSource {
 struct OpenOptions {
   std::optional<SensorModel> sensor;  ///< overrides what the reader would take (rings, times, extrinsic)
   std::string label;                  ///< only the scans of this sensor label; empty: the first label with scans
+  bool radar = false;                 ///< where there is a radar beside a LiDAR, take the radar
 };
 
 /// A format that can be read. Plug-in interface of sensor/readers.
@@ -46,6 +47,7 @@ class ScanFormat {
   struct Guess {
     int confidence = 0;  ///< 0 = not this format … 100 = certain
     std::string why;     ///< "velodyne/*.bin and times.txt"
+    bool radar = false;  ///< images of a spinning radar
   };
   virtual ~ScanFormat() = default;
   /// Looks at names and the first bytes only. Never throws for foreign data.

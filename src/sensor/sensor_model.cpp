@@ -22,6 +22,7 @@ void SensorModel::describe(ParamVisitor& v) {
   v.field("rpy_deg", rpy_deg, "roll, pitch, yaw of the sensor in the base frame [deg]; R = Rz(yaw) Ry(pitch) Rx(roll)");
   v.group("beams", beams, "where and when each beam leaves");
   v.group("signal", signal, "strength, noise and loss of echoes");
+  v.group("radar", radar, "a spinning radar's image");
 }
 
 Pose SensorModel::T_base_sensor() const {

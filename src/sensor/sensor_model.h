@@ -6,6 +6,7 @@
 #include "scslam/core/cloud.h"
 #include "scslam/core/params.h"
 #include "scslam/sensor/beam_table.h"
+#include "scslam/sensor/radar_table.h"
 
 namespace scslam {
 
@@ -24,6 +25,7 @@ struct SensorModel : ParamSetOf<SensorModel> {
 
   BeamTable beams;
   SignalModel signal;
+  RadarTable radar;
 
   void describe(ParamVisitor& visitor) override;
   Pose T_base_sensor() const;

@@ -9,7 +9,7 @@ namespace scslam {
 namespace {
 
 constexpr std::string_view kMagic = "SCSLAMJN";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kFrameBytes = 8;  // length and CRC of a record
 
@@ -77,9 +77,15 @@ LoopRecord getLoop(ByteReader& in, std::size_t keyframes) {
   in.get(loop.yaw_guess_rad);
   in.get(loop.rmse_m);
   in.get(loop.inlier_ratio);
+  in.get(loop.explained);
   in.get(loop.overlap);
+  in.get(loop.unfixed_axes);
+  loop.free_space_checked = in.get<std::uint8_t>() != 0;
+  in.get(loop.target_overlap);
+  in.get(loop.seen_through);
   in.get(loop.odometry_mahalanobis2);
   loop.registered = in.get<std::uint8_t>() != 0;
+  loop.verified = in.get<std::uint8_t>() != 0;
   loop.accepted = in.get<std::uint8_t>() != 0;
   in.get(loop.reason);
   in.get(loop.T_match_query);
@@ -244,9 +250,15 @@ void Journal::append(const LoopRecord& loop) {
   out.put(loop.yaw_guess_rad);
   out.put(loop.rmse_m);
   out.put(loop.inlier_ratio);
+  out.put(loop.explained);
   out.put(loop.overlap);
+  out.put(loop.unfixed_axes);
+  out.put(std::uint8_t{loop.free_space_checked});
+  out.put(loop.target_overlap);
+  out.put(loop.seen_through);
   out.put(loop.odometry_mahalanobis2);
   out.put(std::uint8_t{loop.registered});
+  out.put(std::uint8_t{loop.verified});
   out.put(std::uint8_t{loop.accepted});
   out.put(loop.reason);
   out.put(loop.T_match_query);

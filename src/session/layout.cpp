@@ -21,13 +21,15 @@ std::string quoted(const std::string& text) {
 }
 
 std::string measurement(const LoopRecord& loop) {
-  if (!loop.registered) return ",,,,,,,,,,";
+  if (!loop.registered) return ",,,,,,,,,,,,,,";
   Eigen::Quaterniond q(loop.T_match_query.linear());
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const auto& t = loop.T_match_query.translation();
-  return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", loop.rmse_m,
-                     loop.inlier_ratio, loop.overlap, loop.odometry_mahalanobis2, t.x(), t.y(), t.z(), q.x(), q.y(),
-                     q.z(), q.w());
+  const std::string free_space =
+      loop.free_space_checked ? fmt::format("{:.6g},{:.6g}", loop.target_overlap, loop.seen_through) : ",";
+  return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{},{:.6g},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
+                     loop.rmse_m, loop.inlier_ratio, loop.explained, loop.overlap, free_space,
+                     loop.odometry_mahalanobis2, loop.unfixed_axes, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
 std::vector<float> readRow(std::string_view line, const std::string& where) {
@@ -51,9 +53,9 @@ std::vector<float> readRow(std::string_view line, const std::string& where) {
 }  // namespace
 
 std::vector<std::string> allNames() {
-  return {kScans,      kDescriptors, kOptimisedPoses,  kOdometryPoses, kTimes,  kPoseGraph,
-          kTrajectory, kOdometry,    kLoops,           kMetrics,       kConfig, kLog,
-          kJournal,    kCheckpoint,  "trajectory.svg", "map",          kGnss,   kManifest};
+  return {kScans,           kDescriptors, kOptimisedPoses, kOdometryPoses, kTimes,   kPoseGraph, kTrajectory,
+          kOdometry,        kLoops,       kMetrics,        kConfig,        kLog,     kJournal,   kCheckpoint,
+          "trajectory.svg", "map",        kGnss,           kGeoreference,  kManifest};
 }
 
 std::filesystem::path scanFile(const std::filesystem::path& folder, KeyframeId k) {
@@ -117,8 +119,8 @@ std::string formatGnss(const std::vector<GnssRecord>& gnss) {
 
 std::string formatLoops(const std::vector<LoopRecord>& loops) {
   std::string text =
-      "query,match,recogniser,distance,yaw_guess_deg,fitness_rmse_m,inlier_ratio,overlap,odometry_chi2,"
-      "tx,ty,tz,qx,qy,qz,qw,verdict,reason\n";
+      "query,match,recogniser,distance,yaw_guess_deg,fitness_rmse_m,inlier_ratio,explained,overlap,target_overlap,"
+      "seen_through,odometry_chi2,unfixed_axes,tx,ty,tz,qx,qy,qz,qw,verdict,reason\n";
   for (const LoopRecord& loop : loops)
     text += fmt::format("{},{},{},{:.9g},{:.6g},{},{},{}\n", loop.query, loop.match, quoted(loop.recogniser),
                         loop.distance, loop.yaw_guess_rad * 180 / M_PI, measurement(loop),

@@ -24,7 +24,8 @@ inline constexpr const char* kPoseGraph = "singlesession_posegraph.g2o";
 inline constexpr const char* kTrajectory = "trajectory.tum";
 inline constexpr const char* kOdometry = "odometry.tum";
 inline constexpr const char* kLoops = "loops.csv";
-inline constexpr const char* kGnss = "gnss.csv";  ///< only where there were fixes
+inline constexpr const char* kGnss = "gnss.csv";                   ///< only where there were fixes
+inline constexpr const char* kGeoreference = "georeference.yaml";  ///< only where they place the map on Earth
 
 /// Everything a session consists of, the manifest last; what else lies in its folder is the user's.
 std::vector<std::string> allNames();

@@ -62,6 +62,7 @@ Manifest parse(const YAML::Node& root) {
   info.recogniser = need("recogniser").as<std::string>();
   info.registration = need("registration").as<std::string>();
   info.sensor_label = need("sensor").as<std::string>();
+  if (root["sensor_table"]) info.sensor_table = root["sensor_table"].as<std::string>();
   info.T_base_sensor = poseOf(need("T_base_sensor"));
   info.planar = need("planar").as<bool>();
   manifest.scans = need("scans").as<std::size_t>();
@@ -82,12 +83,14 @@ std::string formatManifest(const Manifest& manifest) {
   const SessionInfo& info = manifest.info;
   return fmt::format(
       "version: {}\nstate: {}\ninput: {}\nformat: {}\ninput_digest: {}\nconfig_digest: {}\nodometry: {}\n"
-      "recogniser: {}\nregistration: {}\nsensor: {}\n# row-major 3x4: p_base = T_base_sensor * p_sensor\n"
+      "recogniser: {}\nregistration: {}\nsensor: {}\n"
+      "{}# row-major 3x4: p_base = T_base_sensor * p_sensor\n"
       "T_base_sensor: {}\nplanar: {}\nscans: {}\nkeyframes: {}\nloops_accepted: {}\n",
       kVersion, manifest.complete ? "complete" : "open", quoted(info.input), quoted(info.input_format),
       quoted(info.input_digest), quoted(digestOf(info.config_yaml)), quoted(info.odometry), quoted(info.recogniser),
-      quoted(info.registration), quoted(info.sensor_label), numbers(info.T_base_sensor), info.planar, manifest.scans,
-      manifest.keyframes, manifest.loops_accepted);
+      quoted(info.registration), quoted(info.sensor_label),
+      info.sensor_table.empty() ? "" : fmt::format("sensor_table: {}\n", quoted(info.sensor_table)),
+      numbers(info.T_base_sensor), info.planar, manifest.scans, manifest.keyframes, manifest.loops_accepted);
 }
 
 Manifest readManifest(const std::filesystem::path& folder) {

@@ -23,10 +23,14 @@ struct LoopRecord {
   std::string recogniser;
   double distance = 0;       ///< descriptor distance
   double yaw_guess_rad = 0;  ///< the recogniser's
-  double rmse_m = 0, inlier_ratio = 0, overlap = 0;
+  double rmse_m = 0, inlier_ratio = 0, explained = 0, overlap = 0;
+  int unfixed_axes = 0;                         ///< directions the overlap leaves open; the factor says nothing of them
+  bool free_space_checked = false;              ///< the gates before passed
+  double target_overlap = 0, seen_through = 0;  ///< registration/loop_gates.h; the larger share of both directions
   double odometry_mahalanobis2 =
       0;  ///< disagreement with odometry's own uncertainty, chi2 with 6 degrees of freedom (3 if planar)
   bool registered = false;  ///< registration was tried (the gates before it passed)
+  bool verified = false;    ///< passed its own gates; whether it is accepted then depends on the other loops
   bool accepted = false;
   std::string reason;                       ///< "accepted" or the gate that refused, with the figure
   Pose T_match_query = Pose::Identity();    ///< measured, when registered

@@ -20,6 +20,7 @@ struct SessionInfo {
   std::string config_yaml;   ///< resolved configuration, also written to config.yaml
   std::string odometry, recogniser, registration;
   std::string sensor_label;
+  std::string sensor_table;  ///< shipped name or file that the user gave; empty: the reader's
   Pose T_base_sensor = Pose::Identity();
   bool planar = false;
 };

@@ -2,6 +2,7 @@
 
 #include "scslam/core/file.h"
 #include "scslam/graph/g2o.h"
+#include "scslam/session/georeference.h"
 #include "scslam/session/layout.h"
 #include "scslam/session/manifest.h"
 #include "scslam/session/session_graph.h"
@@ -33,6 +34,8 @@ std::vector<std::pair<std::string, std::string>> textFiles(const SessionInfo& in
       {layout::kOdometry, formatTum(odometryTrajectory(contents.scans))},
       {layout::kLoops, layout::formatLoops(contents.loops)}};
   if (!contents.gnss.empty()) files.emplace_back(layout::kGnss, layout::formatGnss(contents.gnss));
+  if (const auto placed = georeference(contents.gnss, contents.T_map_base))
+    files.emplace_back(layout::kGeoreference, formatGeoreference(*placed));
   return files;
 }
 

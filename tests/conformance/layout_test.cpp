@@ -9,6 +9,7 @@
 #include "scslam/pipeline/slam_params.h"
 #include "scslam/place/place_recogniser.h"
 #include "scslam/registration/registration.h"
+#include "scslam/sensor/radar_extractor.h"
 #include "scslam/sensor/scan_source.h"
 #include "sim/scenario.h"
 #include "support/support.h"
@@ -133,12 +134,17 @@ TEST(Layout, NoFileIsLongerThan400Lines) {
 
 TEST(Plugins, NothingVanishedSilently) {
   EXPECT_EQ(Registry<ScanFormat>::instance().names(),
-            (std::vector<std::string>{"clouds", "kitti", "mulran", "rawlog", "session"}));
-  EXPECT_EQ(Registry<Odometry>::instance().names(), (std::vector<std::string>{"poses", "voxel_icp"}));
-  EXPECT_EQ(Registry<PlaceRecogniser>::instance().names(), (std::vector<std::string>{"scan_context"}));
+            (std::vector<std::string>{"clouds", "kitti", "mulran", "mulran_radar", "oxford_radar", "radiate", "rawlog",
+                                      "session"}));
+  EXPECT_EQ(Registry<RadarExtractor>::instance().names(),
+            (std::vector<std::string>{"bfar", "ca_cfar", "cen2018", "cen2019", "k_strongest", "os_cfar"}));
+  EXPECT_EQ(Registry<Odometry>::instance().names(),
+            (std::vector<std::string>{"gicp", "lego", "lio", "loam", "poses", "voxel_icp"}));
+  EXPECT_EQ(Registry<PlaceRecogniser>::instance().names(),
+            (std::vector<std::string>{"cart_context", "radius", "scan_context"}));
   EXPECT_EQ(Registry<Registration>::instance().names(), (std::vector<std::string>{"voxel_planes"}));
   EXPECT_EQ(Registry<MapExporter>::instance().names(),
-            (std::vector<std::string>{"g2o", "kitti", "octomap", "pcd", "ply", "tum"}));
+            (std::vector<std::string>{"g2o", "grid", "kitti", "octomap", "pcd", "ply", "radar_power", "tum"}));
   EXPECT_EQ(Registry<sim::WorldGenerator>::instance().names(),
             (std::vector<std::string>{"blocks", "bridge", "corridor", "field", "garage", "hills", "mesh", "roundabout",
                                       "town", "tunnel", "unit"}));

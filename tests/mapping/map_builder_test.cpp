@@ -219,7 +219,8 @@ TEST(ExportVerb, SaysWhereTheMapIs) {
 }
 
 TEST(MapExporters, AreTheseAndNoneVanishes) {
-  EXPECT_THAT(Registry<MapExporter>::instance().names(), ElementsAre("g2o", "kitti", "octomap", "pcd", "ply", "tum"));
+  EXPECT_THAT(Registry<MapExporter>::instance().names(),
+              ElementsAre("g2o", "grid", "kitti", "octomap", "pcd", "ply", "radar_power", "tum"));
 }
 
 }  // namespace

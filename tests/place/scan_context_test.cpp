@@ -1,44 +1,17 @@
 #include <cmath>
 #include <random>
 
+#include "place/streets.h"
 #include "scslam/core/gravity.h"
-#include "scslam/place/place_recogniser.h"
-#include "support/support.h"
+#include "scslam/place/context_image.h"
 
 namespace scslam {
 namespace {
 
+using test::frontOf, test::IsNear, test::keyframeAt, test::streetFrom, test::visit;
+
 std::unique_ptr<PlaceRecogniser> scanContext(const std::string& set = "") {
-  auto params = Registry<PlaceRecogniser>::instance().find("scan_context").defaults();
-  if (!set.empty()) loadYaml(*params, set, "test");
-  return Registry<PlaceRecogniser>::instance().create("scan_context", *params, test::context());
-}
-
-/// A street of random boxes seen from `T_world_base`: surfaces of towers around, and the ground.
-Cloud streetFrom(const Pose& T_world_base, unsigned seed) {
-  std::mt19937 random(seed);
-  const auto uniform = [&random](double lo, double hi) {
-    return lo + (hi - lo) * static_cast<double>(random()) / 4294967296.0;
-  };
-  Cloud world;
-  for (int tower = 0; tower < 60; ++tower) {
-    const double cx = uniform(-60, 60), cy = uniform(-60, 60), top = uniform(1, 15), half = uniform(0.3, 4);
-    for (double z = 0; z < top; z += 0.5)
-      for (double s = -half; s <= half; s += 0.4)
-        for (const double side : {-half, half}) {
-          world.push(static_cast<float>(cx + s), static_cast<float>(cy + side), static_cast<float>(z));
-          world.push(static_cast<float>(cx + side), static_cast<float>(cy + s), static_cast<float>(z));
-        }
-  }
-  for (double x = -60; x <= 60; x += 1.5)
-    for (double y = -60; y <= 60; y += 1.5) world.push(static_cast<float>(x), static_cast<float>(y), 0);
-  return transformed(world, T_world_base.inverse());
-}
-
-Keyframe keyframeAt(KeyframeId id, double travelled, const Pose& T_odom_base = Pose::Identity()) {
-  Keyframe keyframe;
-  keyframe.id = id, keyframe.travelled_m = travelled, keyframe.T_odom_base = T_odom_base;
-  return keyframe;
+  return test::makeRecogniser("scan_context", set);
 }
 
 /// Places `seeds` of different streets 100 m apart, then the query; returns the candidates for the query.
@@ -47,11 +20,11 @@ std::vector<PlaceCandidate> recognise(PlaceRecogniser& recogniser, const Cloud& 
   KeyframeId id = 0;
   for (const unsigned seed : {11u, 12u, 13u, 14u, 15u}) {
     const Keyframe keyframe = keyframeAt(id, 100.0 * id);
-    recogniser.add(keyframe, recogniser.describe(keyframe, streetFrom(poseFromYaw(0, {0, 0, 1.8}), seed)));
+    visit(recogniser, keyframe, streetFrom(poseFromYaw(0, {0, 0, 1.8}), seed));
     ++id;
   }
   const Keyframe keyframe = keyframeAt(id, 100.0 * id, T_odom_query);
-  recogniser.add(keyframe, recogniser.describe(keyframe, query));
+  visit(recogniser, keyframe, query);
   return recogniser.query(id);
 }
 
@@ -107,7 +80,7 @@ TEST(ScanContext, WhatWasJustPassedIsNoLoop) {
   const Cloud cloud = streetFrom(poseFromYaw(0, {0, 0, 1.8}), 5);
   for (KeyframeId id = 0; id < 4; ++id) {
     const Keyframe keyframe = keyframeAt(id, 7.0 * id);
-    recogniser->add(keyframe, recogniser->describe(keyframe, cloud));
+    visit(*recogniser, keyframe, cloud);
   }
   EXPECT_TRUE(recogniser->query(1).empty());
   EXPECT_TRUE(recogniser->query(2).empty()) << "14 m";
@@ -122,7 +95,7 @@ TEST(ScanContext, NearIdenticalNeighboursCountAsOnePlace) {
   const std::vector<double> travelled = {0, 2, 4, 50, 52, 100, 200};
   for (KeyframeId id = 0; id < travelled.size(); ++id) {
     const Keyframe keyframe = keyframeAt(id, travelled[id]);
-    recogniser->add(keyframe, recogniser->describe(keyframe, cloud));
+    visit(*recogniser, keyframe, cloud);
   }
   std::vector<KeyframeId> matches;
   for (const auto& candidate : recogniser->query(6)) matches.push_back(candidate.match);
@@ -135,13 +108,13 @@ TEST(ScanContext, EmptyAndTinyCloudsAreHarmless) {
   one.push(3, 0, 0);
   for (KeyframeId id = 0; id < 3; ++id) {
     const Keyframe keyframe = keyframeAt(id, 100.0 * id);
-    recogniser->add(keyframe, recogniser->describe(keyframe, id == 1 ? one : Cloud()));
+    visit(*recogniser, keyframe, id == 1 ? one : Cloud());
     EXPECT_TRUE(recogniser->query(id).empty());
   }
 }
 
 TEST(ScanContext, ManyPlacesNeedNoRebuildAndTheRightOneIsFound) {
-  const auto recogniser = scanContext();
+  const auto recogniser = scanContext("lateral_reach_m: 0");
   std::mt19937 random(1);
   std::vector<Descriptor> images;
   for (KeyframeId id = 0; id < 700; ++id) {
@@ -158,6 +131,77 @@ TEST(ScanContext, ManyPlacesNeedNoRebuildAndTheRightOneIsFound) {
   EXPECT_EQ(candidates[0].match, 431u);
   EXPECT_NEAR(candidates[0].distance, 0, 1e-5);
   EXPECT_NEAR(std::remainder(yawOf(candidates[0].T_match_query) + 17 * 6 * M_PI / 180, 2 * M_PI), 0, 0.02);
+}
+
+TEST(ScanContext, TheImageShiftsByWholeColumnsWhenTheRobotTurnsByWholeSectors) {
+  Cloud cloud;  // in the middle of bins, so that rounding cannot move a point
+  for (int i = 0; i < 300; ++i) {
+    const double azimuth = (i % 60 + 0.5) * 6 * M_PI / 180, range = 4 * ((i + i / 60 * 7) % 20 + 0.5);
+    cloud.push(static_cast<float>(range * std::cos(azimuth)), static_cast<float>(range * std::sin(azimuth)),
+               static_cast<float>(i % 11 + 1));
+  }
+  const Descriptor image = polarContext(cloud, Upright(), PolarGrid());
+  ASSERT_GT((image.array() > 0).count(), 200);
+  for (const int sectors : {1, 13, 30, 59}) {
+    const Cloud turned = transformed(cloud, poseFromYaw(-sectors * 6 * M_PI / 180, {0, 0, 0}));
+    const Descriptor other = polarContext(turned, Upright(), PolarGrid());
+    for (int s = 0; s < 60; ++s)
+      EXPECT_LT((other.col(s) - image.col((s + sectors) % 60)).cwiseAbs().maxCoeff(), 1e-4) << sectors << ", " << s;
+  }
+}
+
+TEST(ScanContext, StartsTheRegistrationAtTheOffsetAcrossTheStreet) {
+  for (const double left_m : {-3.5, 0.0, 2.0, 3.5})
+    for (const double yaw : {0.0, M_PI}) {
+      const auto recogniser = scanContext();
+      const Pose T_world_match = poseFromYaw(0, {0, 0, 1.8}), T_world_query = poseFromYaw(yaw, {0, left_m, 1.8});
+      visit(*recogniser, keyframeAt(0, 0), streetFrom(T_world_match, 12, 6));
+      visit(*recogniser, keyframeAt(1, 100), streetFrom(T_world_query, 12, 6));
+      const auto candidates = recogniser->query(1);
+      ASSERT_FALSE(candidates.empty()) << left_m;
+      EXPECT_THAT(candidates[0].T_match_query, IsNear(T_world_match.inverse() * T_world_query, 1.1, 3.0)) << left_m;
+    }
+}
+
+TEST(ScanContext, WithoutTheCloudTheShiftedCopiesComeFromTheDescriptor) {
+  const auto distance = [](const std::string& set) {
+    const auto recogniser = scanContext(set);
+    for (KeyframeId id = 0; id < 2; ++id) {
+      const Keyframe keyframe = keyframeAt(id, 100.0 * id);
+      recogniser->add(keyframe, recogniser->describe(keyframe, streetFrom(poseFromYaw(0, {0, 4.0 * id, 1.8}), 21)));
+    }
+    const auto candidates = recogniser->query(1);
+    return candidates.empty() ? 1.0 : candidates[0].distance;
+  };
+  EXPECT_LT(distance("{max_distance: 1}"), 0.95 * distance("{max_distance: 1, lateral_reach_m: 0}"));
+}
+
+TEST(ScanContext, ComparesOnlyWhatBothScansSaw) {
+  for (const double half_deg : {45.0, 90.0, 145.0}) {
+    const auto recogniser = scanContext("max_distance: 1");
+    const auto candidates = recognise(*recogniser, frontOf(streetFrom(poseFromYaw(1, {0, 0, 1.8}), 13), half_deg));
+    ASSERT_FALSE(candidates.empty());
+    EXPECT_EQ(candidates[0].match, 2u) << half_deg;
+    EXPECT_LT(candidates[0].distance, 0.15) << half_deg;
+    EXPECT_NEAR(yawOf(candidates[0].T_match_query), 1, 0.06) << half_deg;
+  }
+}
+
+TEST(ScanContext, TheRunnerUpIsTheNextPlaceAndTheRatioTestRefusesTwins) {
+  const auto twoAlike = [](const std::string& set, unsigned second) {
+    const auto recogniser = scanContext(set);
+    const Cloud cloud = streetFrom(poseFromYaw(0, {0, 0, 1.8}), 5);
+    visit(*recogniser, keyframeAt(0, 0), streetFrom(poseFromYaw(0, {0.5, 0, 1.8}), 5));
+    visit(*recogniser, keyframeAt(1, 100), streetFrom(poseFromYaw(0, {0.5, 0.2, 1.8}), second));
+    visit(*recogniser, keyframeAt(2, 200), cloud);
+    return recogniser->query(2);
+  };
+  const auto alone = twoAlike("{max_distance: 1, max_ratio: 0.7}", 77);
+  ASSERT_EQ(alone.size(), 1u) << "the other one is farther than its runner-up";
+  EXPECT_EQ(alone[0].match, 0u);
+  EXPECT_GT(alone[0].runner_up, 2 * alone[0].distance);
+  EXPECT_TRUE(twoAlike("{max_distance: 1, max_ratio: 0.7}", 5).empty());
+  EXPECT_EQ(twoAlike("{max_distance: 1}", 5).size(), 2u);
 }
 
 TEST(Gravity, GroundIsFoundBelowTheSensorWhateverItsHeight) {

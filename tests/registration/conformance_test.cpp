@@ -35,6 +35,23 @@ TEST_P(RegistrationConformance, ClosesALoopFromAGuessAsWrongAsAPlaceRecognisers)
   EXPECT_EQ(result.degenerate_axes, 0);
 }
 
+TEST_P(RegistrationConformance, TheBestOfSeveralGuessesWins) {
+  const auto method = make();
+  method->setTarget(test::aRoom(40000));
+  const std::vector<Pose> guesses = {truth() * poseFromYaw(1.5, {1, 0, 0}),
+                                     truth() * poseFromYaw(0.1, {-0.8, 0.7, 0.2})};
+  const RegistrationResult result = method->align(sourceOf(2), guesses, false);
+  EXPECT_TRUE(result.converged);
+  EXPECT_THAT(result.T_target_source, IsNear(truth(), 0.01, 0.1));
+}
+
+TEST_P(RegistrationConformance, AHeadingWrongByHalfATurnIsFound) {
+  const auto method = make();
+  method->setTarget(test::aRoom(40000));
+  const RegistrationResult result = method->align(sourceOf(2), truth() * poseFromYaw(M_PI + 0.05, {0.5, 0, 0}), false);
+  EXPECT_THAT(result.T_target_source, IsNear(truth(), 0.01, 0.1));
+}
+
 TEST_P(RegistrationConformance, HessianIsSymmetricPositiveDefiniteAndHonest) {
   const auto method = make();
   method->setTarget(test::aRoom(40000));

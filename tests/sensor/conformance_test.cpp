@@ -15,11 +15,32 @@ class EveryFormat : public testing::TestWithParam<std::string> {
   test::Fixture fixture_;
 };
 
+void expectAsWritten(const RadarScan& sweep, std::size_t i) {
+  const RadarScan expected = test::fixtureSweep(i, fixtureStamp(i));
+  EXPECT_EQ(sweep.power, expected.power);
+  EXPECT_EQ(sweep.stamps, expected.stamps);
+  EXPECT_EQ(sweep.valid, expected.valid);
+  for (std::size_t a = 0; a < expected.azimuths; ++a) EXPECT_NEAR(sweep.angles[a], expected.angles[a], 1e-9);
+}
+
+void expectAsWritten(const Cloud& cloud, std::size_t i) {
+  const Cloud expected = test::fixtureCloud(i);
+  EXPECT_EQ(cloud.x, expected.x);
+  EXPECT_EQ(cloud.y, expected.y);
+  EXPECT_EQ(cloud.z, expected.z);
+  EXPECT_EQ(cloud.intensity, expected.intensity);
+}
+
 void expectSame(const Scan& a, const Scan& b) {
   EXPECT_EQ(a.index, b.index);
   EXPECT_EQ(a.stamp, b.stamp);
   EXPECT_EQ(a.cloud.x, b.cloud.x);
   EXPECT_EQ(a.cloud.ring, b.cloud.ring);
+  ASSERT_EQ(a.radar != nullptr, b.radar != nullptr);
+  if (a.radar) {
+    EXPECT_EQ(a.radar->power, b.radar->power);
+    EXPECT_EQ(a.radar->stamps, b.radar->stamps);
+  }
   ASSERT_EQ(a.T_odom_base.has_value(), b.T_odom_base.has_value());
   if (a.T_odom_base) {
     EXPECT_EQ(a.T_odom_base->matrix(), b.T_odom_base->matrix());
@@ -35,17 +56,18 @@ TEST_P(EveryFormat, IsRecognisedAndSaysWhy) {
 
 TEST_P(EveryFormat, HandsOverEveryScanInOrderAndAsWritten) {
   const auto source = open();
-  EXPECT_FALSE(source->planar());
+  const bool radar = test::isRadarFormat(GetParam());
+  EXPECT_EQ(source->planar(), radar);
   const auto scans = test::readAll(*source);
   ASSERT_EQ(scans.size(), kFixtureScans);
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    const Cloud expected = test::fixtureCloud(i);
     EXPECT_EQ(scans[i].index, i);
     EXPECT_EQ(scans[i].stamp, fixtureStamp(i));
-    EXPECT_EQ(scans[i].cloud.x, expected.x);
-    EXPECT_EQ(scans[i].cloud.y, expected.y);
-    EXPECT_EQ(scans[i].cloud.z, expected.z);
-    EXPECT_EQ(scans[i].cloud.intensity, expected.intensity);
+    ASSERT_EQ(scans[i].radar != nullptr, radar);
+    if (radar)
+      expectAsWritten(*scans[i].radar, i);
+    else
+      expectAsWritten(scans[i].cloud, i);
     EXPECT_FALSE(scans[i].label.empty());
     EXPECT_TRUE(isRigid(scans[i].T_base_sensor));
     if (scans[i].T_odom_base) {
@@ -85,7 +107,7 @@ TEST_P(EveryFormat, ReadsTheSameTwice) {
 
 TEST_P(EveryFormat, TruthIsThatOfTheLayout) {
   const auto truth = open()->groundTruth();
-  const bool has = GetParam() != "rawlog" && GetParam() != "session";
+  const bool has = GetParam() != "rawlog" && GetParam() != "session" && GetParam() != "radiate";
   ASSERT_EQ(truth.has_value(), has);
   if (!has) return;
   for (std::size_t i = 0; i < kFixtureScans; ++i) {
@@ -113,7 +135,8 @@ INSTANTIATE_TEST_SUITE_P(ScanFormats, EveryFormat, testing::ValuesIn(Registry<Sc
 
 TEST(ScanFormats, AreTheExpectedOnes) {
   EXPECT_EQ(Registry<ScanFormat>::instance().names(),
-            (std::vector<std::string>{"clouds", "kitti", "mulran", "rawlog", "session"}));
+            (std::vector<std::string>{"clouds", "kitti", "mulran", "mulran_radar", "oxford_radar", "radiate", "rawlog",
+                                      "session"}));
 }
 
 TEST(OpenSource, SaysWhatIsWrongWithAnInput) {

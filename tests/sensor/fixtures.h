@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "radar_fixtures.h"
 #include "scslam/core/mrpt_pose.h"
 #include "scslam/core/pcd.h"
 #include "scslam/core/trajectory.h"
@@ -115,9 +116,51 @@ struct Fixture {
   fs::path uri, damage;
 };
 
+inline bool isRadarFormat(const std::string& format) {
+  return format == "oxford_radar" || format == "mulran_radar" || format == "radiate";
+}
+
+inline std::string globalPoseRow(std::size_t i) {
+  std::string row = fmt::format("{}", 1561000444000000000 + 100000000 * static_cast<std::int64_t>(i));
+  Pose T = fixturePose(i);
+  T.translation() += Eigen::Vector3d(350000, 4000000, 20);
+  for (int k = 0; k < 12; ++k) row += fmt::format(",{:.17g}", T.matrix()(k / 4, k % 4));
+  return row + "\n";
+}
+
+inline Fixture makeRadarFixture(const std::string& format, const fs::path& folder) {
+  std::string truth = "source_timestamp,destination_timestamp,x,y,z,roll,pitch,yaw\n", poses, times;
+  fs::path last;
+  for (std::size_t i = 0; i < kFixtureScans; ++i) {
+    const auto us = [](std::size_t k) { return 1561000444000000 + 100000 * static_cast<std::int64_t>(k); };
+    const RadarScan sweep = fixtureSweep(i, fixtureStamp(i));
+    if (format == "oxford_radar") {
+      last = folder / "radar" / fmt::format("{}.png", us(i));
+      writeBytes(last, encodeOxfordRadar(sweep));
+      if (i == 0) continue;
+      const Pose T = fixturePose(i - 1).inverse() * fixturePose(i);  // x forward, y right, z down
+      truth += fmt::format("{},{},{:.17g},{:.17g},0,0,0,{:.17g}\n", us(i), us(i - 1), T.translation().x(),
+                           -T.translation().y(), -yawOf(T));
+    } else if (format == "mulran_radar") {
+      last = folder / "sensor_data/radar/polar_oxford_form" / fmt::format("{}000.png", us(i) + 250000);
+      writeBytes(last, encodeOxfordRadar(sweep));
+      poses += globalPoseRow(i);
+    } else {
+      last = folder / "Navtech_Polar" / fmt::format("{:06d}.png", i + 1);
+      writeBytes(last, encodeColumns(sweep));  // the last of 8 azimuths is 218.75 ms after the first
+      times += fmt::format("Frame: {:06d} Time: {}.{:09d}\n", i + 1, 1561000444, 100000000 * i + 218750000);
+    }
+  }
+  if (format == "oxford_radar") writeBytes(folder / "gt/radar_odometry.csv", truth);
+  if (format == "mulran_radar") writeBytes(folder / "global_pose.csv", poses);
+  if (format == "radiate") writeBytes(folder / "Navtech_Polar.txt", times);
+  return {format, folder, last};
+}
+
 inline void PrintTo(const Fixture& fixture, std::ostream* out) { *out << fixture.format << " at " << fixture.uri; }
 
 inline Fixture makeFixture(const std::string& format, const fs::path& folder) {
+  if (isRadarFormat(format)) return makeRadarFixture(format, folder);
   std::vector<Pose> poses;
   std::string times;
   for (std::size_t i = 0; i < kFixtureScans; ++i) {
@@ -145,11 +188,7 @@ inline Fixture makeFixture(const std::string& format, const fs::path& folder) {
     for (std::size_t i = 0; i < kFixtureScans; ++i) {
       const auto ns = fmt::format("{}", 1561000444000000000 + 100000000 * static_cast<std::int64_t>(i));
       writeBytes(folder / "Ouster" / (ns + ".bin"), encodeXyzi(fixtureCloud(i)));
-      table += ns;
-      Pose T = fixturePose(i);
-      T.translation() += Eigen::Vector3d(350000, 4000000, 20);
-      for (int k = 0; k < 12; ++k) table += fmt::format(",{:.17g}", T.matrix()(k / 4, k % 4));
-      table += "\n";
+      table += globalPoseRow(i);
     }
     writeBytes(folder / "global_pose.csv", table);
     return {format, folder, folder / "Ouster" / "1561000444500000000.bin"};

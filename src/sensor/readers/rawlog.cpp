@@ -15,6 +15,7 @@
 #include "scslam/core/error.h"
 #include "scslam/core/mrpt_pose.h"
 #include "scslam/sensor/pose_track.h"
+#include "scslam/sensor/rawlog_navigation.h"
 #include "scslam/sensor/rawlog_objects.h"
 #include "scslam/sensor/rawlog_scans.h"
 #include "scslam/sensor/scan_source.h"
@@ -54,7 +55,8 @@ class RawlogSource final : public ScanSource {
     if (!fetch()) return std::nullopt;
     Scan scan;
     const std::size_t number = index_;
-    const auto pending = take();
+    Scan readings;
+    const auto pending = take(readings);
     try {
       scan = scanFrom(*pending.observation, options_.sensor, file_);
     } catch (const Error& error) {
@@ -64,14 +66,17 @@ class RawlogSource final : public ScanSource {
     scan.index = number;
     scan.stamp = last_stamp_;
     scan.T_odom_base = odometryOf(pending);
+    scan.imu = std::move(readings.imu), scan.gnss = std::move(readings.gnss), scan.T_base_imu = readings.T_base_imu;
     return scan;
   }
 
   void skip(std::size_t n) override {
     for (std::size_t i = 0; i < n; ++i) {
-      if (pending_.empty() && !ended_) fillOne();
+      fillOne();
       if (pending_.empty()) return;
-      take();
+      readWhatBelongsToFront();
+      Scan readings;
+      take(readings);
     }
   }
 
@@ -87,6 +92,7 @@ class RawlogSource final : public ScanSource {
                              : !robot_poses_.empty()    ? "from CObservationRobotPose"
                              : !wheel_poses_.empty()    ? "from CObservationOdometry"
                                                         : "none");
+    if (const auto readings = navigation_.description(); !readings.empty()) text += ", " + readings;
     if (!simulated_.empty()) text += ", " + simulated_;
     if (truth_) text += ", truth from " + truth_->filename().string();
     if (made_up_ != 0) text += ", scans without a time: 0.1 s after the one before made up";
@@ -119,25 +125,36 @@ class RawlogSource final : public ScanSource {
       if (auto failure = std::exchange(failure_, std::nullopt)) throw *failure;
       return false;
     }
-    const auto waits = [this] {
-      const Pending& front = pending_.front();
-      if (ended_ || pending_.size() >= kLookAhead || (front.in_frame && has_actions_)) return false;
-      return !track().empty() && !track().covers(front.observation->timestamp);
-    };
-    while (waits()) readEntry();
+    readWhatBelongsToFront();
     return true;
   }
 
-  Pending take() {
+  /// Poses around the scan and inertial readings up to the next one lie behind it in the file.
+  void readWhatBelongsToFront() {
+    const auto waits = [this] {
+      if (ended_ || pending_.size() >= kLookAhead) return false;
+      if (pending_.size() < 2 || !navigation_.covers(stampOf(pending_[1], stampOf(pending_[0], last_stamp_))))
+        return true;
+      if (pending_.front().in_frame && has_actions_) return false;
+      return !track().empty() && !track().covers(pending_.front().observation->timestamp);
+    };
+    while (waits()) readEntry();
+  }
+
+  /// A scan without a time comes 0.1 s after the one before.
+  Stamp stampOf(const Pending& pending, Stamp before) const {
+    if (pending.observation->timestamp != INVALID_TIMESTAMP) return pending.observation->timestamp;
+    return before == Stamp() ? stampFromSeconds(0) : before + (stampFromSeconds(0.1) - stampFromSeconds(0));
+  }
+
+  /// @param readings gets the inertial and satellite readings of the scan.
+  Pending take(Scan& readings) {
     Pending pending = std::move(pending_.front());
     pending_.pop_front();
-    const Stamp stamp = pending.observation->timestamp;
-    if (stamp == INVALID_TIMESTAMP) {
-      ++made_up_;
-      last_stamp_ = index_ == 0 ? stampFromSeconds(0) : last_stamp_ + (stampFromSeconds(0.1) - stampFromSeconds(0));
-    } else {
-      last_stamp_ = stamp;
-    }
+    made_up_ += pending.observation->timestamp == INVALID_TIMESTAMP;
+    last_stamp_ = stampOf(pending, last_stamp_);
+    const Stamp next = pending_.empty() ? Stamp() : stampOf(pending_.front(), last_stamp_);
+    navigation_.handTo(readings, pending_.empty() ? nullptr : &next);
     ++index_;
     robot_poses_.forgetBefore(last_stamp_);
     wheel_poses_.forgetBefore(last_stamp_);
@@ -188,9 +205,10 @@ class RawlogSource final : public ScanSource {
   }
 
   void onSensor(const CObservation::Ptr& observation, bool in_frame) {
+    navigation_.take(*observation);
     const std::string class_name = shortClassName(*observation);
     const std::string& label = observation->sensorLabel;
-    const bool scan = isScan(*observation, options_.sensor);
+    const bool scan = isScan(*observation, options_.sensor) && (!options_.radar || isRadarScan(*observation));
     if (scan && scan_class_.empty() && (options_.label.empty() || label == options_.label)) {
       label_ = label;
       scan_class_ = class_name;
@@ -234,13 +252,14 @@ class RawlogSource final : public ScanSource {
   RawlogObjects objects_;
   std::deque<Pending> pending_;
   PoseTrack robot_poses_, wheel_poses_;
+  RawlogNavigation navigation_;
   Pose T_actions_ = Pose::Identity();  ///< T_odom_base by the actions so far
   bool has_actions_ = false, in_frames_ = false, planar_ = false, ended_ = false;
   std::optional<Error> failure_;
   std::optional<fs::path> truth_;
   std::string simulated_;  ///< how a simulated log introduces itself
   std::size_t index_ = 0, made_up_ = 0;
-  Stamp last_stamp_;
+  Stamp last_stamp_{};  ///< of the scan handed over last
   std::map<std::string, std::size_t> other_labels_, seen_;
 };
 

@@ -1,10 +1,10 @@
 #include <algorithm>
 
-#include "scslam/odometry/frontends/voxel_icp.h"
+#include "scslam/odometry/scan_to_map.h"
 
 namespace scslam {
 
-void VoxelIcp::Params::describe(ParamVisitor& visitor) {
+void ScanToMapParams::describeShared(ParamVisitor& visitor) {
   visitor.field("voxel_m", voxel_m, "finest map voxel [m]; 0: from the ranges of the first scan", 0.0, 10.0);
   visitor.field("min_range_m", min_range_m, "nearer points are dropped [m]; 0: 1.0 (planar scans 0.1)", 0.0, 100.0);
   visitor.field("max_range_m", max_range_m, "farther points are dropped [m]", 1.0, 1000.0);
@@ -15,17 +15,17 @@ void VoxelIcp::Params::describe(ParamVisitor& visitor) {
   visitor.field("max_iterations", max_iterations, "Gauss-Newton iterations per scan", 1, 1000);
 }
 
-void VoxelIcp::accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out) {
+void ScanToMap::accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out) {
   const double ratio = match.inlierRatio();
   usual_inliers_ = usual_inliers_ == 0 ? ratio : 0.9 * usual_inliers_ + 0.1 * ratio;
-  lost_ = 0;
+  lost_ = misfits_ = 0;
   const Pose T_previous_base = T_odom_base_.inverse() * match.T_map_scan;
   if (!jumped) {
     T_step_ = T_previous_base;
     step_s_ = secondsBetween(stamp_, scan.stamp);
     moving_known_ = true;
   }
-  T_odom_base_ = match.T_map_scan;
+  T_odom_base_ = T_fitted_ = match.T_map_scan;
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;
 
@@ -37,7 +37,7 @@ void VoxelIcp::accept(const Scan& scan, const MatchResult& match, bool jumped, O
   out.quality.degenerate_axes = match.degenerate_axes;
 }
 
-void VoxelIcp::lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out) {
+void ScanToMap::lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out) {
   Pose T_previous_base = Pose::Identity();
   if (map_) {
     T_previous_base = T_odom_base_.inverse() * T_odom_base_guess;
@@ -54,7 +54,7 @@ void VoxelIcp::lose(const Scan& scan, const Pose& T_odom_base_guess, const std::
   out.quality.note = why;
 }
 
-Matrix6d VoxelIcp::stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const {
+Matrix6d ScanToMap::stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const {
   // Directions without information keep what constant velocity is worth: half the motion itself.
   const double sigma_m = 0.1 + 0.5 * T_previous_base.translation().norm();
   const double sigma_rad = 0.05 + 0.5 * rotationAngle(T_previous_base);
@@ -69,10 +69,11 @@ Matrix6d VoxelIcp::stepCovariance(const Matrix6d& information, const Pose& T_pre
   return 0.5 * (covariance + covariance.transpose());
 }
 
-void VoxelIcp::save(ByteWriter& state) const {
+void ScanToMap::save(ByteWriter& state) const {
   state.put(voxel_m_);
   state.put(planar_);
   state.put(T_odom_base_);
+  state.put(T_fitted_);
   state.put(T_step_);
   state.put(step_s_);
   state.put(moving_known_);
@@ -81,16 +82,18 @@ void VoxelIcp::save(ByteWriter& state) const {
   state.put(T_recorded_.value_or(Pose::Identity()));
   state.put(usual_inliers_);
   state.put(lost_);
+  state.put(misfits_);
   state.put(deskew_evidence_);
   state.put(deskew_trials_);
   state.put(map_.has_value());
-  if (map_) map_->save(state);
+  if (map_) saveMap(state);
 }
 
-void VoxelIcp::load(ByteReader& state) {
+void ScanToMap::load(ByteReader& state) {
   state.get(voxel_m_);
   state.get(planar_);
   state.get(T_odom_base_);
+  state.get(T_fitted_);
   state.get(T_step_);
   state.get(step_s_);
   state.get(moving_known_);
@@ -101,13 +104,14 @@ void VoxelIcp::load(ByteReader& state) {
   T_recorded_ = recorded ? std::optional(T_recorded) : std::nullopt;
   state.get(usual_inliers_);
   state.get(lost_);
+  state.get(misfits_);
   state.get(deskew_evidence_);
   state.get(deskew_trials_);
   map_.reset();
   if (!state.get<bool>()) return;
-  if (!(voxel_m_ > 0)) throw inputError("voxel_icp: a saved map without a voxel size");
-  map_ = emptyMap();
-  map_->load(state);
+  if (!(voxel_m_ > 0)) throw inputError("odometry: a saved map without a voxel size");
+  clearMap();
+  loadMap(state);
 }
 
 }  // namespace scslam
