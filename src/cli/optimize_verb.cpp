@@ -71,7 +71,7 @@ Verb optimizeVerb() {
             app.add_option("input", options->input, "the graph: g2o, 3-D or 2-D")->required()->type_name("IN.g2o");
             app.add_option("-o,--output", options->output, "write the optimised graph here")->type_name("OUT.g2o");
             app.add_option("--robust", options->params.robust, "kernel on loop edges (others than i, i+1)")
-                ->check(CLI::IsMember({"none", "huber", "cauchy", "dcs", "gnc"}))
+                ->check(CLI::IsMember(robustChoices()))
                 ->capture_default_str();
             app.add_option("--init", options->params.init, "start; auto = the best of the three")
                 ->check(CLI::IsMember({"auto", "file", "chordal", "spanning"}))

@@ -20,7 +20,7 @@ class GncSearch {
   GncSearch(PoseGraph& graph, const OptimiserParams& params)
       : graph_(graph),
         params_(params),
-        nominal_gate_(params.gate_chi2 > 0 ? params.gate_chi2 : defaultGate(graph.planar)),
+        nominal_gate_(params.gate_chi2 > 0 ? params.gate_chi2 : certainGate(graph.planar)),
         used_(graph.factors.size(), 1),
         tried_(graph.factors.size(), 0) {
     result_.gate = nominal_gate_;
@@ -35,12 +35,14 @@ class GncSearch {
     count(minimise(graph_, structure, weighting, {10, 1e-3, 1e-12}));
     dropHopeless(weighting.kernel);
     structure = GraphStructure(graph_, used_);
+    restart(structure);
     for (int round = 0; round < kRounds; ++round) {
       graduate(structure);
       const bool narrower = narrowGate();
       const bool more = readmit(structure);
       if (!narrower && !more) break;
       structure = GraphStructure(graph_, used_);
+      if (more) restart(structure);
     }
     finish();
     return result_;
@@ -51,12 +53,24 @@ class GncSearch {
   void useWhatJoinsParts();
   void dropHopeless(const RobustKernel& cauchy);
   void graduate(GraphStructure& structure);
+  void settle(const GraphStructure& structure);
   void graduateTruncated(const GraphStructure& structure);
   void graduateGemanMcClure(const GraphStructure& structure);
+  double varianceFactor() const;
   bool narrowGate();
   bool readmit(const GraphStructure& structure);
   void finish();
 
+  /// From where the search stands, unless the factors now in use give a better start: what was false has bent the
+  /// poses, what is new may be far from them.
+  void restart(const GraphStructure& structure) {
+    chooseStart(graph_, structure, "auto", {RobustKernel(KernelKind::kCauchy, result_.gate), mask()}, true);
+  }
+
+  /// What 99 % of the true loops lie within.
+  double probableGate() const {
+    return params_.gate_chi2 > 0 ? result_.gate : result_.gate / nominal_gate_ * defaultGate(graph_.planar);
+  }
   std::vector<double> mask() const { return {used_.begin(), used_.end()}; }
   bool robust(std::size_t f) const { return isRobust(graph_.factors[f].kind); }
   double chi2(std::size_t f) const { return factorChi2(graph_, graph_.factors[f]); }
@@ -69,7 +83,7 @@ class GncSearch {
   const OptimiserParams& params_;
   const double nominal_gate_;
   std::vector<std::uint8_t> used_;   ///< by factor: part of what is solved
-  std::vector<std::uint8_t> tried_;  ///< by factor: came back once on its innovation
+  std::vector<std::uint8_t> tried_;  ///< by factor: came back once, so that nothing goes round in circles
   GncResult result_;
 };
 
@@ -112,11 +126,32 @@ void GncSearch::graduate(GraphStructure& structure) {
     graduateTruncated(structure);
   else
     graduateGemanMcClure(structure);
+  bool dropped = false;
   for (std::size_t f = 0; f < used_.size(); ++f)
-    if (used_[f] != 0 && robust(f) && chi2(f) > result_.gate) used_[f] = 0;
+    if (used_[f] != 0 && robust(f) && chi2(f) > result_.gate) used_[f] = 0, dropped = true;
   useWhatJoinsParts();
   structure = GraphStructure(graph_, used_);
-  count(descend(graph_, structure, {RobustKernel(), mask()}, params_));
+  if (dropped) restart(structure);
+  settle(structure);
+}
+
+/// To the optimum of what is used. False loops can leave the poses in a curved valley that takes a hundred short steps;
+/// the chordal start, though of higher cost, lies outside of it.
+void GncSearch::settle(const GraphStructure& structure) {
+  constexpr int kPatience = 8;
+  const Weighting weighting{RobustKernel(), mask()};
+  const MinimiseOptions brief{std::min(params_.max_iterations, kPatience), params_.relative_decrease, 1e-12};
+  const MinimiseResult first = minimise(graph_, structure, weighting, brief);
+  count(first);
+  if (first.converged) return;
+  const std::vector<Pose> valley = graph_.poses;
+  if (chordal(graph_, structure, weighting.weights)) {
+    const MinimiseResult second = descend(graph_, structure, weighting, params_);
+    count(second);
+    if (second.converged && second.cost <= first.cost) return;
+    graph_.poses = valley;
+  }
+  count(descend(graph_, structure, weighting, params_));
 }
 
 void GncSearch::graduateTruncated(const GraphStructure& structure) {
@@ -150,13 +185,17 @@ void GncSearch::graduateGemanMcClure(const GraphStructure& structure) {
   count(minimise(graph_, structure, {RobustKernel(KernelKind::kGemanMcClure, result_.gate), mask()}, few));
 }
 
-/// @return true when something that is used no longer passes.
-bool GncSearch::narrowGate() {
-  if (params_.gate_chi2 > 0) return false;
+/// A-posteriori variance factor of what is used; not more than loops' upper decile allows, so that a few false ones
+/// among them do not widen the gate for themselves.
+double GncSearch::varianceFactor() const {
+  constexpr double kRedundancy = 3;  // loops' own share of the freedom pulls their errors down by up to so much
   double sum = 0, freedom = 0;
+  std::vector<double> loops;
   for (std::size_t f = 0; f < used_.size(); ++f) {
     if (used_[f] == 0) continue;
-    sum += chi2(f);
+    const double s = chi2(f);
+    sum += s;
+    if (graph_.factors[f].kind == FactorKind::kLoop) loops.push_back(s);
     const auto diagonal = graph_.factors[f].information.diagonal();
     if (graph_.planar)
       for (const int axis : kPlanarAxes) freedom += diagonal(axis) > 0;
@@ -165,8 +204,16 @@ bool GncSearch::narrowGate() {
   }
   for (std::size_t v = 0; v < graph_.poses.size(); ++v) freedom -= graph_.planar ? 3 : 6;
   freedom += graph_.planar ? 3 : 6;  // the gauge
-  if (freedom < 1) return false;
-  result_.gate = nominal_gate_ * std::min(1.0, kVarianceMargin * sum / freedom);
+  if (freedom < 1) return 1;
+  const double factor = sum / freedom;
+  if (loops.size() < 10) return factor;
+  return std::min(factor, kRedundancy * upperDecile(loops) / ninetyPercent(graph_.planar));
+}
+
+/// @return true when something that is used no longer passes.
+bool GncSearch::narrowGate() {
+  if (params_.gate_chi2 > 0) return false;
+  result_.gate = nominal_gate_ * std::min(1.0, kVarianceMargin * varianceFactor());
   for (std::size_t f = 0; f < used_.size(); ++f)
     if (used_[f] != 0 && robust(f) && chi2(f) > result_.gate) return true;
   return false;
@@ -174,19 +221,28 @@ bool GncSearch::narrowGate() {
 
 /// @return true when something came back.
 bool GncSearch::readmit(const GraphStructure& structure) {
-  bool any = false;
+  std::vector<std::size_t> back, doubtful;  // the second by their innovation, which 1 % of the true ones exceed
   RelativeCovariance rest(graph_, structure, {RobustKernel(), mask()});
   for (std::size_t f = 0; f < used_.size(); ++f) {
     if (used_[f] != 0) continue;
-    bool back = chi2(f) <= result_.gate;
-    if (!back && tried_[f] == 0 && graph_.factors[f].kind == FactorKind::kLoop && rest.known()) {
-      back = rest.innovation(graph_.factors[f]) <= result_.gate;
-      tried_[f] = back;
+    if (chi2(f) <= result_.gate) {
+      back.push_back(f);
+    } else if (tried_[f] == 0 && graph_.factors[f].kind == FactorKind::kLoop && rest.known()) {
+      const double innovation = rest.innovation(graph_.factors[f]);
+      if (innovation <= probableGate())
+        back.push_back(f), tried_[f] = 1;
+      else if (innovation <= result_.gate)
+        doubtful.push_back(f);
     }
-    used_[f] = back;
-    any = any || back;
   }
-  return any;
+  for (const std::size_t f : back) used_[f] = 1;
+  // One true loop in a hundred is off by that much, not each of the few there are.
+  constexpr double kChance = 0.02;
+  std::size_t loops = 0;
+  for (std::size_t f = 0; f < used_.size(); ++f) loops += used_[f] != 0 && robust(f);
+  if (static_cast<double>(doubtful.size()) > kChance * static_cast<double>(loops)) doubtful.clear();
+  for (const std::size_t f : doubtful) used_[f] = tried_[f] = 1;
+  return !back.empty() || !doubtful.empty();
 }
 
 void GncSearch::finish() {

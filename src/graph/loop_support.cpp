@@ -31,9 +31,8 @@ UncertainPose measured(const Factor& factor, const Matrix6d& covariance) {
 
 std::uint32_t distance(std::uint32_t a, std::uint32_t b) { return a < b ? b - a : a - b; }
 
-/// Chi-square quantiles for 6 and 3 degrees of freedom: 99.9 % and 90 %.
+/// 99.9 % quantile of the chi-square distribution for 6 and 3 degrees of freedom.
 double cycleGate(bool planar) { return planar ? 16.27 : 22.46; }
-double ninetyPercent(bool planar) { return planar ? 6.25 : 10.64; }
 
 struct Cycle {
   std::uint32_t a, b;  ///< factors
@@ -70,12 +69,18 @@ double varianceFactor(const std::vector<Cycle>& cycles, bool planar) {
   for (const Cycle& cycle : cycles)
     if (cycle.chi2 <= cycleGate(planar)) closing.push_back(cycle.chi2);
   if (closing.size() < 10) return 1;
-  const auto at = closing.begin() + static_cast<std::ptrdiff_t>(closing.size() * 9 / 10);
-  std::nth_element(closing.begin(), at, closing.end());
-  return std::min(1.0, *at / ninetyPercent(planar));
+  return std::min(1.0, upperDecile(closing) / ninetyPercent(planar));
 }
 
 }  // namespace
+
+double ninetyPercent(bool planar) { return planar ? 6.25 : 10.64; }
+
+double upperDecile(std::vector<double> values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
 
 LoopSupport loopSupport(const PoseGraph& graph, const OdometryChain& chain) {
   const std::vector<Cycle> cycles = cyclesOfNeighbours(graph, chain);

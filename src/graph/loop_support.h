@@ -19,12 +19,17 @@ struct LoopSupport {
 };
 
 /// Information matrices are rarely right on every axis and errors have long tails: what exceeds so many times the
-/// variance factor (5 sigma) is no error of the usual kind, even where the nominal gate is wider.
-inline constexpr double kVarianceMargin = 25;
+/// variance factor (4 sigma) is no error of the usual kind, even where the nominal gate is wider.
+inline constexpr double kVarianceMargin = 16;
 
 /// Neighbours are loops whose ends are at most 10 odometry steps away from this one's, and together not more than a
 /// quarter of the steps between its own ends (else the cycle says little more than the loop's own). The first few in
 /// order of their ends are asked.
 LoopSupport loopSupport(const PoseGraph& graph, const OdometryChain& chain);
+
+/// 90 % quantile of the chi-square distribution for 6 and 3 degrees of freedom.
+double ninetyPercent(bool planar);
+/// The value that one in ten exceeds; `values` is not empty.
+double upperDecile(std::vector<double> values);
 
 }  // namespace scslam

@@ -75,13 +75,15 @@ void OptimiserParams::describe(ParamVisitor& v) {
   v.field("init", init, "start: auto takes the lowest cost of file, spanning (tree) and chordal", kInits);
   v.field("robust", robust, "kernel on loop factors", kRobusts);
   v.field("gate_chi2", gate_chi2,
-          "r' L r at which a loop has weight 1/2; 0 = 99 % quantile (6 or 3 dof), narrower by gnc for modest L", 0,
-          1e9);
+          "r' L r at which a loop has weight 1/2; 0 = 99 % quantile (6 or 3 dof); gnc: 99.999 %, narrower for modest L",
+          0, 1e9);
   v.field("max_iterations", max_iterations, "linear systems solved at most, per stage", 1, 100000);
   v.field("relative_decrease", relative_decrease, "stop when a step promises less than this share of the cost", 0, 1);
   v.field("solver", solver, "auto = own block-sparse Gauss-Newton, Ceres where that stalls; ceres = Ceres alone",
           kSolvers);
 }
+
+const std::vector<std::string>& robustChoices() { return kRobusts; }
 
 OptimiserSummary optimise(PoseGraph& graph, const OptimiserParams& params) {
   checkChoice("init", params.init, kInits);

@@ -43,6 +43,9 @@ struct OptimiserSummary {
 /// @throw usageError for a parameter value that is not one of its choices.
 OptimiserSummary optimise(PoseGraph& graph, const OptimiserParams& params = {});
 
+/// The choices of OptimiserParams::robust.
+const std::vector<std::string>& robustChoices();
+
 /// Poses along the spanning tree with the fewest edges to each node, from each part's anchor: for graphs without poses.
 void placeAlongSpanningTree(PoseGraph& graph);
 

@@ -45,4 +45,6 @@ double truncatedWeight(double s, double gate, double mu) {
 
 double defaultGate(bool planar) { return planar ? 11.345 : 16.812; }
 
+double certainGate(bool planar) { return planar ? 25.902 : 33.107; }
+
 }  // namespace scslam

@@ -28,7 +28,9 @@ class RobustKernel {
 /// inconsistent ones, a slope between that becomes a step as mu grows.
 double truncatedWeight(double s, double gate, double mu);
 
-/// 99 % quantile of the chi-square distribution for 6 (SE(3)) or 3 (SE(2)) degrees of freedom.
+/// 99 % quantile of the chi-square distribution for 6 (SE(3)) or 3 (SE(2)) degrees of freedom: where kernels weigh 1/2.
 double defaultGate(bool planar);
+/// The 99.999 % quantile: where a loop is thrown out for good. Of thousands of true loops none should be lost.
+double certainGate(bool planar);
 
 }  // namespace scslam
