@@ -32,10 +32,12 @@ class GncSearch {
     Weighting weighting{RobustKernel(KernelKind::kCauchy, result_.gate), mask()};
     result_.start = chooseStart(graph_, structure, params_.init, weighting, true);
     result_.chi2_start = graphChi2(graph_);
-    count(minimise(graph_, structure, weighting, {10, 1e-3, 1e-12}));
-    dropHopeless(weighting.kernel);
-    structure = GraphStructure(graph_, used_);
-    restart(structure);
+    if (contradicted()) {
+      count(minimise(graph_, structure, weighting, {10, 1e-3, 1e-12}));
+      dropHopeless(weighting.kernel);
+      structure = GraphStructure(graph_, used_);
+      restart(structure);
+    }
     for (int round = 0; round < kRounds; ++round) {
       graduate(structure);
       const bool narrower = narrowGate();
@@ -56,6 +58,7 @@ class GncSearch {
   void settle(const GraphStructure& structure);
   void graduateTruncated(const GraphStructure& structure);
   void graduateGemanMcClure(const GraphStructure& structure);
+  bool contradicted() const;
   double varianceFactor() const;
   bool narrowGate();
   bool readmit(const GraphStructure& structure);
@@ -120,8 +123,16 @@ void GncSearch::dropHopeless(const RobustKernel& cauchy) {
   useWhatJoinsParts();
 }
 
+/// Is anything that is used beyond the gate?
+bool GncSearch::contradicted() const {
+  for (std::size_t f = 0; f < used_.size(); ++f)
+    if (used_[f] != 0 && robust(f) && chi2(f) > result_.gate) return true;
+  return false;
+}
+
 /// Sorts what is used into true and false; graph.poses end at the optimum of what is true.
 void GncSearch::graduate(GraphStructure& structure) {
+  if (!contradicted()) return settle(structure);
   if (params_.robust == "gnc")
     graduateTruncated(structure);
   else
@@ -212,11 +223,8 @@ double GncSearch::varianceFactor() const {
 
 /// @return true when something that is used no longer passes.
 bool GncSearch::narrowGate() {
-  if (params_.gate_chi2 > 0) return false;
-  result_.gate = nominal_gate_ * std::min(1.0, kVarianceMargin * varianceFactor());
-  for (std::size_t f = 0; f < used_.size(); ++f)
-    if (used_[f] != 0 && robust(f) && chi2(f) > result_.gate) return true;
-  return false;
+  if (params_.gate_chi2 == 0) result_.gate = nominal_gate_ * std::min(1.0, kVarianceMargin * varianceFactor());
+  return contradicted();
 }
 
 /// @return true when something came back.
