@@ -63,7 +63,8 @@ MinimiseResult run(PoseGraph& graph, const GraphStructure& structure, const Weig
     const double gained = result.cost - cost;
     result.cost = cost;
     const double enough = options.relative_decrease * cost + options.negligible;
-    result.converged = std::max(promised, gained) <= enough || remainingDecrease(gained, gained_before) <= enough;
+    result.converged = std::max(promised, gained) <= enough || remainingDecrease(gained, gained_before) <= enough ||
+                       (options.trust_model && damping == 0 && std::abs(promised - gained) <= enough);
     gained_before = gained;
     if (gained < 0.25 * promised) damping = std::max(4 * damping, kMinDamping);
     if (gained > 0.75 * promised) damping = damping > kMinDamping ? damping / 10 : 0;

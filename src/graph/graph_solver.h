@@ -37,6 +37,9 @@ struct MinimiseOptions {
   /// Stops when a step promises less than this share of the cost (or less than `negligible`).
   double relative_decrease = 1e-7;
   double negligible = 1e-12;
+  /// Stops also when a step gained what it promised, up to that share: what the linear model left out is about what
+  /// there is left to gain. Saves the step that only confirms it.
+  bool trust_model = false;
 };
 
 struct MinimiseResult {
