@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "scslam/graph/covariance.h"
+
 namespace scslam {
 namespace {
 
@@ -10,8 +12,6 @@ Matrix6d floorCovariance(double floor_m, double floor_deg) {
   const double t = floor_m * floor_m, r = std::pow(floor_deg * M_PI / 180, 2);
   return Vector6d(t, t, t, r, r, r).asDiagonal();
 }
-
-Matrix6d symmetric(const Matrix6d& M) { return 0.5 * (M + M.transpose()); }
 
 }  // namespace
 
