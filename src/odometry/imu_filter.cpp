@@ -127,6 +127,10 @@ void ImuFilter::predict(const ImuPreintegration& imu, const ImuNoise& noise) {
 
 void ImuFilter::predictAtSpeed(const Vector6d& twist, double T) {
   constexpr double kAccel = 3.0, kTurn = 3.0;  // [m/s^2], [rad/s^2]: what a robot may do in between
+  constexpr double kKnownS = 10;               // beyond, nothing is left to forget
+  // Nor can the time be trusted to which the speed is applied: besides, a share of the step and a floor.
+  const double sigma_m = 0.1 + 0.5 * T * twist.head<3>().norm(), sigma_rad = 0.05 + 0.5 * T * twist.tail<3>().norm();
+  const double t = std::min(T, kKnownS);
   const Matrix3d R_before = nav_.R;
   const Vector3d v_before = nav_.v;
   const Pose T_base = retract(basePose(), T * twist), T_imu = T_base * T_base_imu_;
@@ -134,13 +138,13 @@ void ImuFilter::predictAtSpeed(const Vector6d& twist, double T) {
   nav_.v = nav_.R * R_before.transpose() * v_before;
   nav_.p = T_imu.translation();
   Covariance F = Covariance::Identity(), Q = Covariance::Zero();
-  F.block<3, 3>(kP, kV) = T * Matrix3d::Identity();
-  const double a = kAccel * kAccel * T * T;
-  Q.diagonal().segment<3>(kP).setConstant(0.25 * a * T * T);
-  Q.block<3, 3>(kP, kV).diagonal().setConstant(0.5 * a * T);
-  Q.block<3, 3>(kV, kP).diagonal().setConstant(0.5 * a * T);
+  F.block<3, 3>(kP, kV) = t * Matrix3d::Identity();
+  const double a = kAccel * kAccel * t * t;
+  Q.diagonal().segment<3>(kP).setConstant(0.25 * a * t * t + sigma_m * sigma_m);
+  Q.block<3, 3>(kP, kV).diagonal().setConstant(0.5 * a * t);
+  Q.block<3, 3>(kV, kP).diagonal().setConstant(0.5 * a * t);
   Q.diagonal().segment<3>(kV).setConstant(a);
-  Q.diagonal().segment<3>(kTheta).setConstant(std::pow(kTurn * T * T, 2));
+  Q.diagonal().segment<3>(kTheta).setConstant(std::pow(std::min(kTurn * t * t, M_PI), 2) + sigma_rad * sigma_rad);
   propagateCovariance(F, Q);
 }
 

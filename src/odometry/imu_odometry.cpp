@@ -13,6 +13,11 @@ namespace {
 constexpr double kPoorShare = 0.7, kLostShare = 0.4, kFarShare = 0.75;
 constexpr double kNearBetter = 1.15, kFarBetter = 1.3;  // than the fit at the guess
 constexpr double kFarPrecision = 0.75;                  // inliers among the matched points of a far place
+// Scans without a fit in a row, or so long without a scan: constant speed has no claim any more.
+constexpr int kAdriftAfter = 5;
+constexpr double kAdriftAfterS = 2;
+
+bool precise(const MatchResult& match) { return match.system.inliers >= kFarPrecision * match.system.matched; }
 
 }  // namespace
 
@@ -48,7 +53,7 @@ OdometryStep ImuOdometry::step(const Scan& scan) {
     deskew(compensated, sweep);
     deskew(out.cloud, sweep);
     map_.insert(compensated, estimator_->basePose());
-    T_previous_ = out.T_odom_base = estimator_->basePose();
+    T_previous_ = T_fitted_ = out.T_odom_base = estimator_->basePose();
     out.quality.note = note_;
     return out;
   }
@@ -69,6 +74,7 @@ OdometryStep ImuOdometry::step(const Scan& scan) {
     if (lost_ == patience()) {
       map_.restart();
       map_.insert(found.thin, estimator_->basePose());
+      T_fitted_ = estimator_->basePose();
       lost_ = 0;
       out.quality.note += "; local map restarted";
     }
@@ -82,9 +88,11 @@ OdometryStep ImuOdometry::step(const Scan& scan) {
 // ---- the fit ----
 
 void ImuOdometry::measureRecorded(const Scan& scan) {
+  by_wheels_ = false;
   if (!params_.use_recorded_odometry || !T_recorded_ || !scan.T_odom_base) return;
   const Pose T_step = T_recorded_->inverse() * *scan.T_odom_base;
   if (!isRigid(T_step)) return;
+  by_wheels_ = true;
   // Wheels slip and know nothing of slopes: a share of the way, a third of the turn, and a floor.
   const double sigma_m = 0.01 + 0.02 * T_step.translation().norm();
   const double sigma_rad = 0.03 + 0.2 * rotationAngle(T_step), sigma_up_m = 0.05 + 0.2 * T_step.translation().norm();
@@ -105,7 +113,11 @@ ImuOdometry::Fit ImuOdometry::fit(const Scan& scan, const Cloud& thin_raw) {
   const Pose T_predicted = estimator_->basePose();
   const Matrix6d information = speed_known_ || inertial_ ? estimator_->poseInformation() : Matrix6d::Zero().eval();
   fit.match = map_.match(fit.thin, T_predicted, information);
-  if (map_.share(fit.match) < kPoorShare || !speed_known_) fit.match = searchAbout(fit.thin, fit.match, fit.searched);
+  if (adrift(scan))
+    searchAdrift(fit.thin, fit);
+  else if (map_.share(fit.match) < kPoorShare || !speed_known_)
+    searchAbout(fit.thin, fit);
+  if (fit.jumped) return fit;
 
   // The speed this pose speaks of may compensate the sweep differently; with a filter that has settled it does not.
   const Vector6d correction = local(T_predicted, fit.match.T_map_scan);
@@ -129,17 +141,26 @@ ImuOdometry::Fit ImuOdometry::fit(const Scan& scan, const Cloud& thin_raw) {
 }
 
 /// Looks around when the fit is poor: nearby, and when nothing near fits, farther the longer nothing did.
-MatchResult ImuOdometry::searchAbout(const Cloud& thin, const MatchResult& match, bool& searched) const {
-  const double coarse_m = 4 * map_.voxel();
-  const MatchResult near = map_.search(thin, estimator_->basePose(), 3 * coarse_m, 0.3);
-  MatchResult best = match;
-  if (near.meanScore() > kNearBetter * match.meanScore()) best = near, searched = true;
-  if (map_.share(best) >= kPoorShare || (inertial_ && by_imu_ && map_.share(best) >= kLostShare)) return best;
-  const MatchResult far = map_.search(thin, estimator_->basePose(), 3 * coarse_m, M_PI);
-  const bool precise = far.system.inliers >= kFarPrecision * far.system.matched;
-  if (!precise || map_.share(far) < kFarShare || far.inlierRatio() < kFarBetter * best.inlierRatio()) return best;
-  searched = true;
-  return far;
+void ImuOdometry::searchAbout(const Cloud& thin, Fit& fit) const {
+  const MatchResult near = map_.search(thin, estimator_->basePose(), 12 * map_.voxel(), 0.3);
+  if (near.meanScore() > kNearBetter * fit.match.meanScore()) fit.match = near, fit.searched = true;
+  if (map_.share(fit.match) >= (by_imu_ ? kLostShare : kPoorShare)) return;
+  const MatchResult far = map_.search(thin, estimator_->basePose(), 12 * map_.voxel(), M_PI);
+  if (!precise(far) || map_.share(far) < kFarShare || far.inlierRatio() < kFarBetter * fit.match.inlierRatio()) return;
+  fit.match = far, fit.searched = true;
+}
+
+bool ImuOdometry::adrift(const Scan& scan) const {
+  return !by_imu_ && !by_wheels_ && (lost_ >= kAdriftAfter || secondsBetween(stamp_, scan.stamp) > kAdriftAfterS);
+}
+
+/// It may have gone on or stopped: the best fit about both places counts, not the first that is good enough.
+void ImuOdometry::searchAdrift(const Cloud& thin, Fit& fit) const {
+  for (const Pose& T_odom_base : {estimator_->basePose(), T_fitted_}) {
+    const MatchResult far = map_.search(thin, T_odom_base, 12 * map_.voxel(), M_PI);
+    if (precise(far) && far.meanScore() > fit.match.meanScore()) fit.match = far;
+  }
+  fit.searched = fit.jumped = true;
 }
 
 int ImuOdometry::patience() const { return inertial_ && by_imu_ ? 50 : 5; }
@@ -157,8 +178,9 @@ void ImuOdometry::accept(const Scan& scan, const Fit& fit, OdometryStep& out) {
   const Pose T_odom_base = estimator_->basePose(), T_step = T_previous_.inverse() * T_odom_base;
   watchImu(scan, T_step);
   const double dt = secondsBetween(stamp_, scan.stamp);
-  if (dt > 1e-4 && dt < 2.0) twist_ = local(Pose::Identity(), T_step) / dt;
+  if (dt > 1e-4 && dt < 2.0 && !fit.jumped) twist_ = local(Pose::Identity(), T_step) / dt;
   speed_known_ = true;
+  T_fitted_ = T_odom_base;
 
   out.T_odom_base = T_odom_base;
   out.covariance = reportedCovariance();
@@ -166,7 +188,7 @@ void ImuOdometry::accept(const Scan& scan, const Fit& fit, OdometryStep& out) {
   out.quality.rmse_m = fit.match.rmse();
   out.quality.iterations = fit.match.iterations;
   out.quality.degenerate_axes = fit.match.degenerate_axes;
-  if (fit.searched && note_.empty()) note_ = "recovered by search";
+  if (fit.searched && note_.empty()) note_ = fit.jumped ? "looked for after a gap" : "recovered by search";
   out.quality.note = note_;
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;

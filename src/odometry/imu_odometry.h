@@ -49,6 +49,7 @@ class ImuOdometry : public Odometry {
     SweepMotion sweep;
     MatchResult match;
     bool searched = false;
+    bool jumped = false;  ///< found far from the prediction: it says nothing about the speed
   };
 
   // ---- the IMU (imu_odometry_readings.cpp) ----
@@ -66,7 +67,10 @@ class ImuOdometry : public Odometry {
   // ---- the scan ----
   void measureRecorded(const Scan& scan);
   Fit fit(const Scan& scan, const Cloud& thin_raw);
-  MatchResult searchAbout(const Cloud& thin, const MatchResult& match, bool& searched) const;
+  /// Too long without a fit, a scan and a measured motion to know where the robot might be.
+  bool adrift(const Scan& scan) const;
+  void searchAbout(const Cloud& thin, Fit& fit) const;
+  void searchAdrift(const Cloud& thin, Fit& fit) const;
   void accept(const Scan& scan, const Fit& fit, OdometryStep& out);
   void lose(const Scan& scan, const std::string& why, OdometryStep& out);
   int patience() const;
@@ -88,9 +92,10 @@ class ImuOdometry : public Odometry {
   Stamp stamp_{};
   std::optional<Pose> T_recorded_;      ///< the recording's own pose at stamp_
   Pose T_previous_ = Pose::Identity();  ///< T_odom_base at the scan before
+  Pose T_fitted_ = Pose::Identity();    ///< T_odom_base at the last scan that fitted
   Eigen::Vector3d gyro_turn_ = Eigen::Vector3d::Zero(), rate_begin_ = Eigen::Vector3d::Zero(),
                   rate_end_ = Eigen::Vector3d::Zero();  ///< of the last prediction, frame base
-  bool by_imu_ = false;                                 ///< the last prediction was
+  bool by_imu_ = false, by_wheels_ = false;             ///< the last prediction was
   int lost_ = 0;                                        ///< scans in a row without a fit
   std::uint32_t said_ = 0;
   std::string note_;  ///< for this step

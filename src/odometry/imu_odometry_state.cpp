@@ -31,6 +31,7 @@ void ImuOdometry::save(ByteWriter& state) const {
   state.put(T_recorded_.has_value());
   state.put(T_recorded_.value_or(Pose::Identity()));
   state.put(T_previous_);
+  state.put(T_fitted_);
   for (const Eigen::Vector3d& v : {gyro_turn_, rate_begin_, rate_end_}) state.put(v);
   state.put(lost_);
   state.put(said_);
@@ -52,6 +53,7 @@ void ImuOdometry::load(ByteReader& state) {
   state.get(T_recorded);
   T_recorded_ = recorded ? std::optional(T_recorded) : std::nullopt;
   state.get(T_previous_);
+  state.get(T_fitted_);
   for (Eigen::Vector3d* v : {&gyro_turn_, &rate_begin_, &rate_end_}) state.get(*v);
   state.get(lost_);
   state.get(said_);

@@ -83,7 +83,7 @@ NavState NavState::after(const ImuMotion& m, const Vector3d& gravity) const {
 
 ImuPreintegration::ImuPreintegration(const std::vector<ImuReading>& readings, const ImuBias& bias,
                                      const ImuNoise& noise)
-    : bias_(bias) {
+    : readings_(readings), bias_(bias) {
   for (std::size_t i = 0; i + 1 < readings.size(); ++i)
     if (readings[i + 1].t > readings[i].t) add(readings[i], readings[i + 1], noise);
 }

@@ -69,6 +69,8 @@ class ImuPreintegration {
   ImuPreintegration(const std::vector<ImuReading>& readings, const ImuBias& bias, const ImuNoise& noise);
 
   const ImuBias& bias() const { return bias_; }
+  /// What it was made from.
+  const std::vector<ImuReading>& readings() const { return readings_; }
   const ImuMotion& motion() const { return motion_; }
   /// The motion for another bias, to first order.
   ImuMotion motion(const ImuBias& bias) const;
@@ -82,6 +84,7 @@ class ImuPreintegration {
 
  private:
   void add(const ImuReading& a, const ImuReading& b, const ImuNoise& noise);
+  std::vector<ImuReading> readings_;
   ImuBias bias_;
   ImuMotion motion_;
 };

@@ -1,3 +1,4 @@
+// LiDAR and IMU together, by a filter (`lio`) and by a smoother (`lio_smoother`).
 #include <gtest/gtest.h>
 
 #include <random>
@@ -46,23 +47,25 @@ Driven drive(Odometry& odometry, const InertialDrive& way, std::size_t first, st
   return result;
 }
 
-TEST(Lio, FollowsAWildDrive) {
-  const Driven driven = drive(*frontEnd("lio"), test::wildDrive(), 0, 80);
+class Inertial : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Inertial, FollowsAWildDrive) {
+  const Driven driven = drive(*frontEnd(GetParam()), test::wildDrive(), 0, 80);
   EXPECT_LT(driven.worst_m, 0.03);
   EXPECT_LT(driven.worst_deg, 0.3);
   EXPECT_EQ(driven.lost, 0);
   EXPECT_EQ(driven.notes, "");
 }
 
-TEST(Lio, MayBeginInMotion) {
-  const Driven driven = drive(*frontEnd("lio"), test::wildDrive(), 25, 80);
+TEST_P(Inertial, MayBeginInMotion) {
+  const Driven driven = drive(*frontEnd(GetParam()), test::wildDrive(), 25, 80);
   EXPECT_LT(driven.worst_m, 0.08) << "the first sweep is not compensated: its speed is not known";
   EXPECT_EQ(driven.lost, 0);
 }
 
-TEST(Lio, PutsThePointsWhereTheyWereAtTheStamp) {
+TEST_P(Inertial, PutsThePointsWhereTheyWereAtTheStamp) {
   const InertialDrive way = test::wildDrive();
-  const auto odometry = frontEnd("lio", {"map.min_range_m=0.001"});
+  const auto odometry = frontEnd(GetParam(), {"map.min_range_m=0.001"});
   for (std::size_t k = 0; k < 30; ++k) odometry->step(way.scan(k));
   const Scan scan = way.scan(30);
   const OdometryStep step = odometry->step(scan);
@@ -79,12 +82,12 @@ TEST(Lio, PutsThePointsWhereTheyWereAtTheStamp) {
   EXPECT_GT(uncompensated, 0.1) << "the test must tell";
 }
 
-TEST(Lio, TheFirstPoseIsLevel) {
+TEST_P(Inertial, TheFirstPoseIsLevel) {
   InertialDrive way = test::wildDrive();
   std::vector<Pose> control(8, Pose::Identity());
   for (Pose& T : control) T.linear() = poseFromYaw(0.5, {0, 0, 0}).linear() * so3Exp({0.2, -0.15, 0});
   way.trajectory = sim::Trajectory(control, 0.5);
-  const Pose T = frontEnd("lio")->step(way.scan(0)).T_odom_base;
+  const Pose T = frontEnd(GetParam())->step(way.scan(0)).T_odom_base;
   EXPECT_NEAR(yawOf(T), 0, 1e-9);
   const Eigen::Vector3d up_base = way.pose(0).linear().transpose() * Eigen::Vector3d::UnitZ();
   EXPECT_NEAR((T.linear() * up_base).z(), 1, 1e-4) << "but for the bias of the accelerometer";
@@ -115,30 +118,30 @@ InertialDrive corridor() {
   return way;
 }
 
-TEST(Lio, TheImuCarriesThroughACorridor) {
+TEST_P(Inertial, TheImuCarriesThroughACorridor) {
   const auto keepNear = [](std::size_t, Scan& scan) {  // what a LiDAR of 20 m sees: no end
     std::vector<std::uint8_t> keep(scan.cloud.size());
     for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = scan.cloud.point(i).norm() < 20;
     scan.cloud.filter(keep);
   };
-  const Driven with = drive(*frontEnd("lio"), corridor(), 0, 90, keepNear);
+  const Driven with = drive(*frontEnd(GetParam()), corridor(), 0, 90, keepNear);
   EXPECT_LT(with.worst_m, 0.005 * 26 + 0.05) << "0.5 % of the way";
-  const Driven without = drive(*frontEnd("lio"), corridor(), 0, 90, [&](std::size_t k, Scan& scan) {
+  const Driven without = drive(*frontEnd(GetParam()), corridor(), 0, 90, [&](std::size_t k, Scan& scan) {
     keepNear(k, scan);
     scan.imu.clear();
   });
   EXPECT_GT(without.worst_m, 1) << "the test must tell";
 }
 
-TEST(Lio, WithoutAnImuItSaysSoAndGoesOn) {
+TEST_P(Inertial, WithoutAnImuItSaysSoAndGoesOn) {
   const InertialDrive way = test::wildDrive();
-  const Driven driven = drive(*frontEnd("lio"), way, 0, 40, [](std::size_t, Scan& scan) { scan.imu.clear(); });
+  const Driven driven = drive(*frontEnd(GetParam()), way, 0, 40, [](std::size_t, Scan& scan) { scan.imu.clear(); });
   EXPECT_THAT(driven.notes, HasSubstr("no IMU readings come with the scans"));
   EXPECT_LT(driven.last_m, 0.3);
 }
 
-TEST(Lio, SurvivesAGapInTheImu) {
-  const Driven driven = drive(*frontEnd("lio"), test::wildDrive(), 0, 80, [](std::size_t k, Scan& scan) {
+TEST_P(Inertial, SurvivesAGapInTheImu) {
+  const Driven driven = drive(*frontEnd(GetParam()), test::wildDrive(), 0, 80, [](std::size_t k, Scan& scan) {
     if (k >= 30 && k < 36) scan.imu.clear();
   });
   EXPECT_THAT(driven.notes, HasSubstr("no IMU for this step"));
@@ -146,9 +149,9 @@ TEST(Lio, SurvivesAGapInTheImu) {
   EXPECT_EQ(driven.lost, 0);
 }
 
-TEST(Lio, IsFoundAgainAfterFiveSecondsOfBlindness) {
+TEST_P(Inertial, IsFoundAgainAfterFiveSecondsOfBlindness) {
   const InertialDrive way = test::wildDrive();
-  const auto odometry = frontEnd("lio");
+  const auto odometry = frontEnd(GetParam());
   const Driven driven = drive(*odometry, way, 0, 110, [](std::size_t k, Scan& scan) {
     if (k >= 40 && k < 90) scan.cloud = {};
   });
@@ -156,9 +159,9 @@ TEST(Lio, IsFoundAgainAfterFiveSecondsOfBlindness) {
   EXPECT_LT(driven.last_m, 0.05);
 }
 
-TEST(Lio, BlindnessLeavesAWeakFactorInsteadOfALie) {
+TEST_P(Inertial, BlindnessLeavesAWeakFactorInsteadOfALie) {
   const InertialDrive way = test::wildDrive();
-  const auto odometry = frontEnd("lio");
+  const auto odometry = frontEnd(GetParam());
   drive(*odometry, way, 0, 30);
   const double seeing = odometry->step(way.scan(30)).covariance(0, 0);
   double blind = 0;
@@ -170,16 +173,16 @@ TEST(Lio, BlindnessLeavesAWeakFactorInsteadOfALie) {
   EXPECT_GT(blind, 9 * seeing);
 }
 
-TEST(Lio, TakesAnImuInGAndSaysSo) {
-  const Driven driven = drive(*frontEnd("lio"), test::wildDrive(), 0, 60, [](std::size_t, Scan& scan) {
+TEST_P(Inertial, TakesAnImuInGAndSaysSo) {
+  const Driven driven = drive(*frontEnd(GetParam()), test::wildDrive(), 0, 60, [](std::size_t, Scan& scan) {
     for (ImuSample& sample : scan.imu) sample.accel_m_s2 /= 9.81;
   });
   EXPECT_THAT(driven.notes, HasSubstr("are in g"));
   EXPECT_LT(driven.worst_m, 0.03);
 }
 
-TEST(Lio, SaysThatAxesAreSwappedAndGoesOnWithoutThem) {
-  const Driven driven = drive(*frontEnd("lio"), test::wildDrive(), 0, 40, [](std::size_t, Scan& scan) {
+TEST_P(Inertial, SaysThatAxesAreSwappedAndGoesOnWithoutThem) {
+  const Driven driven = drive(*frontEnd(GetParam()), test::wildDrive(), 0, 40, [](std::size_t, Scan& scan) {
     for (ImuSample& sample : scan.imu) {
       std::swap(sample.accel_m_s2.y(), sample.accel_m_s2.z());
       std::swap(sample.gyro_rad_s.y(), sample.gyro_rad_s.z());
@@ -189,9 +192,9 @@ TEST(Lio, SaysThatAxesAreSwappedAndGoesOnWithoutThem) {
   EXPECT_LT(driven.last_m, 0.3);
 }
 
-TEST(Lio, FindsThatTheClocksDiffer) {
+TEST_P(Inertial, FindsThatTheClocksDiffer) {
   for (const int late_ms : {50, -50}) {
-    const Driven driven = drive(*frontEnd("lio"), test::wildDrive(), 0, 100, [late_ms](std::size_t, Scan& scan) {
+    const Driven driven = drive(*frontEnd(GetParam()), test::wildDrive(), 0, 100, [late_ms](std::size_t, Scan& scan) {
       for (ImuSample& sample : scan.imu) sample.stamp += std::chrono::milliseconds(late_ms);
     });
     EXPECT_THAT(driven.notes, HasSubstr(late_ms > 0 ? "ms ahead of that of the scans" : "ms behind that of the scans"));
@@ -199,15 +202,15 @@ TEST(Lio, FindsThatTheClocksDiffer) {
   }
 }
 
-TEST(Lio, SaysThatPointsHaveNoTime) {
+TEST_P(Inertial, SaysThatPointsHaveNoTime) {
   const Driven driven =
-      drive(*frontEnd("lio"), test::wildDrive(), 0, 5, [](std::size_t, Scan& scan) { scan.cloud.dt.clear(); });
+      drive(*frontEnd(GetParam()), test::wildDrive(), 0, 5, [](std::size_t, Scan& scan) { scan.cloud.dt.clear(); });
   EXPECT_THAT(driven.notes, HasSubstr("no time per point"));
 }
 
-TEST(Lio, ContinuesFromItsStateWithTheSameBits) {
+TEST_P(Inertial, ContinuesFromItsStateWithTheSameBits) {
   const InertialDrive way = test::wildDrive();
-  const auto whole = frontEnd("lio"), resumed = frontEnd("lio");
+  const auto whole = frontEnd(GetParam()), resumed = frontEnd(GetParam());
   for (std::size_t k = 0; k < 20; ++k) whole->step(way.scan(k));
   ByteWriter state;
   whole->save(state);
@@ -224,6 +227,9 @@ TEST(Lio, ContinuesFromItsStateWithTheSameBits) {
   whole->save(end_a), resumed->save(end_b);
   EXPECT_EQ(end_a.bytes(), end_b.bytes());
 }
+
+INSTANTIATE_TEST_SUITE_P(FrontEnds, Inertial, ::testing::Values("lio", "lio_smoother"),
+                         [](const auto& tested) { return tested.param; });
 
 }  // namespace
 }  // namespace scslam
