@@ -53,7 +53,7 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
   Fit fit = fitScan(prepared, scan, guess);
   const bool jumped =
       doubtful(fit.match, guess, scan.stamp) && searched(prepared.features, guess, scan.stamp, fit.match, out.quality);
-  if (fit.deskewed) deskew(prepared.cloud, fit.twist);
+  if (fit.deskewed) compensate(prepared.cloud, fit.twist);
   if (share(fit.match) < kLostShare) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
                                         fit.match.inlierRatio(), usual_inliers_);
@@ -65,6 +65,8 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
     forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m);
   }
 }
+
+void ScanToMap::compensate(Cloud& cloud, const Vector6d& twist) const { deskew(cloud, twist); }
 
 void ScanToMap::insert(const Features& features, const Pose& T_odom_base) { map_->insert(features[0], T_odom_base); }
 
@@ -205,7 +207,7 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
     if (round > 0 && !moreThanNoise(twist - fit.twist, sweep_s)) break;
     fit.twist = twist;
     prepared.features = prepared.raw;
-    for (Cloud& part : prepared.features) deskew(part, twist);
+    for (Cloud& part : prepared.features) compensate(part, twist);
     fit.match = matchFromGuess(prepared.features, from);
     from.T_odom_base = fit.match.T_map_scan;
   }

@@ -49,6 +49,14 @@ class ScanToMap : public Odometry {
   /// @return empty, or why the scan is of no use; the step is then predicted.
   /// @throw inputError when no scan of this kind can be used by the method (only before there is a map).
   virtual std::string extract(const Cloud& cloud, const Scan& scan, Features& features) = 0;
+  /// Brings what was seen at the points' own instants to the scan's stamp. Default: deskew().
+  /// @param twist of the base during the sweep (deskew.h).
+  virtual void compensate(Cloud& cloud, const Vector6d& twist) const;
+  /// What planar data says nothing of: one sigma of the step's height, roll and pitch.
+  struct OffPlane {
+    double z_m = 1e-4, tilt_rad = 1e-4;
+  };
+  virtual OffPlane offPlane(const Pose& /*T_previous_base*/) const { return {}; }
   /// A better start than the guess (scan-to-scan matching, say). Default: the guess.
   virtual Pose closer(const Features& /*features*/, const Guess& guess) const { return guess.T_odom_base; }
   /// The fit of the features to the map from T_start; guess.information pulls towards the guess.

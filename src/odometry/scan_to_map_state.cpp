@@ -60,8 +60,11 @@ Matrix6d ScanToMap::stepCovariance(const Matrix6d& information, const Pose& T_pr
   const double sigma_rad = 0.05 + 0.5 * rotationAngle(T_previous_base);
   Vector6d prior;
   prior << Eigen::Vector3d::Constant(1 / (sigma_m * sigma_m)), Eigen::Vector3d::Constant(1 / (sigma_rad * sigma_rad));
-  constexpr double kFixed = 1e8;  // 0.1 mm, 0.1 mrad: what planar data does not move
-  if (planar_) prior(2) = prior(3) = prior(4) = kFixed;
+  if (planar_) {
+    const OffPlane off = offPlane(T_previous_base);
+    prior(2) = 1 / (off.z_m * off.z_m);
+    prior(3) = prior(4) = 1 / (off.tilt_rad * off.tilt_rad);
+  }
   Matrix6d total = information;
   total.diagonal() += prior;
   Matrix6d covariance = total.inverse();
