@@ -26,6 +26,7 @@ class RadarOdometry : public ScanToMap {
 
   /// Ranges first: a sensor that moves at v sees what lies in direction u nearer by doppler_beta_s * v . u.
   void compensate(Cloud& cloud, const Vector6d& twist) const override;
+  bool slowSweeps() const override { return true; }
   /// SE(2) lifted to SE(3): the ground may climb, the car may tilt, and the radar sees neither.
   OffPlane offPlane(const Pose& T_previous_base) const override;
 

@@ -45,6 +45,7 @@ void ScanToMap::start(const Scan& scan, Prepared& prepared, OdometryStep& out) {
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;
   insert(prepared.features, T_odom_base_);
+  if (slowSweeps()) first_ = prepared.raw;
   out.T_odom_base = T_odom_base_;
 }
 
@@ -53,6 +54,7 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
   Fit fit = fitScan(prepared, scan, guess);
   const bool jumped =
       doubtful(fit.match, guess, scan.stamp) && searched(prepared.features, guess, scan.stamp, fit.match, out.quality);
+  if (!first_.empty() && share(fit.match) >= kLostShare) beginAgain(prepared, scan, fit);
   if (fit.deskewed) compensate(prepared.cloud, fit.twist);
   if (share(fit.match) < kLostShare) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
@@ -212,6 +214,19 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
     from.T_odom_base = fit.match.T_map_scan;
   }
   return fit;
+}
+
+void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds && fit.deskewed; ++round) {
+    const Vector6d twist = twistOf(T_odom_base_.inverse() * fit.match.T_map_scan, scan.stamp);
+    Features first = first_;
+    for (Cloud& part : first) compensate(part, twist);
+    clearMap();
+    insert(first, T_odom_base_);
+    fit = fitDeskewed(prepared, scan, {fit.match.T_map_scan, Matrix6d::Zero()});
+  }
+  first_.clear();
 }
 
 ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Guess& guess) {

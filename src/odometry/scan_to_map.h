@@ -52,6 +52,8 @@ class ScanToMap : public Odometry {
   /// Brings what was seen at the points' own instants to the scan's stamp. Default: deskew().
   /// @param twist of the base during the sweep (deskew.h).
   virtual void compensate(Cloud& cloud, const Vector6d& twist) const;
+  /// Do sweeps take so long that the map's first one, taken before any velocity is known, must be compensated when it is?
+  virtual bool slowSweeps() const { return false; }
   /// What planar data says nothing of: one sigma of the step's height, roll and pitch.
   struct OffPlane {
     double z_m = 1e-4, tilt_rad = 1e-4;
@@ -105,6 +107,9 @@ class ScanToMap : public Odometry {
   Vector6d twistOf(const Pose& T_previous_base, Stamp stamp) const;
   bool moreThanNoise(const Vector6d& twist, double sweep_s) const;
 
+  /// The map of the first sweep anew, compensated with the velocity that the second one shows, and the second's fit to
+  /// it.
+  void beginAgain(Prepared& prepared, const Scan& scan, Fit& fit);
   Fit fitScan(Prepared& prepared, const Scan& scan, const Guess& guess);
   Fit fitDeskewed(Prepared& prepared, const Scan& scan, const Guess& guess) const;
   MatchResult matchFromGuess(const Features& features, const Guess& guess) const;
@@ -134,6 +139,7 @@ class ScanToMap : public Odometry {
   std::optional<SurfacePyramid> map_;
   double voxel_m_ = 0;
   bool planar_ = false;
+  Features first_;  ///< of slow sweeps: the map's only scan as it was seen; empty once a velocity is known
   Pose T_odom_base_ = Pose::Identity();
   Pose T_fitted_ = Pose::Identity();  ///< where the last scan was that fitted
   Pose T_step_ = Pose::Identity();    ///< last motion, T_previous_base

@@ -27,11 +27,17 @@ struct Keyframe {
   PointGrid grid;
 };
 
-/// What a group says of the place of the surface in it.
-Eigen::Matrix2d covarianceOf(const OrientedPoints& points, std::size_t i, double sigma_m) {
+/// What a group says of the place of the surface in it. Its mean is known as well as its points spread; but where the
+/// spread fills the group, as along a wall, the surface goes on beyond it and the mean is only that of the cut.
+Eigen::Matrix2d covarianceOf(const OrientedPoints& points, std::size_t i, double radius_m, double sigma_m) {
+  const auto of = [&](float spread) {
+    constexpr double kLeast = 1e-3;
+    const double filled = 4 * static_cast<double>(spread) / (radius_m * radius_m);  // 1 for a disc full of points
+    const double own = std::max(1 - filled, kLeast);
+    return static_cast<double>(spread / points.count[i]) / (own * own) + sigma_m * sigma_m;
+  };
+  const double along = of(points.along[i]), across = of(points.across[i]);
   const Eigen::Vector2d n(points.nx[i], points.ny[i]);
-  const double along = static_cast<double>(points.along[i]) + sigma_m * sigma_m;
-  const double across = static_cast<double>(points.across[i] / points.count[i]) + sigma_m * sigma_m;
   return along * Eigen::Matrix2d::Identity() + (across - along) * n * n.transpose();
 }
 
@@ -52,7 +58,7 @@ class RadarSurface : public RadarOdometry {
     double sigma_m = 0;
     void describe(ParamVisitor& v) override {
       describeRadar(v);
-      v.field("group_m", group_m, "radius of a group of points that makes a surface point [m]; 0: 1.75 voxel_m", 0.0,
+      v.field("group_m", group_m, "radius of a group of points that makes a surface point [m]; 0: 0.75 voxel_m", 0.0,
               100.0);
       v.field("group_points", group_points, "smaller groups are left out", 2, 1000);
       v.field("keyframes", keyframes, "each sweep is matched with so many of the last keyframes", 1, 100);
@@ -71,7 +77,7 @@ class RadarSurface : public RadarOdometry {
     return "";
   }
 
-  double groupRadius() const { return params_.group_m > 0 ? params_.group_m : 1.75 * voxelSize(); }
+  double groupRadius() const { return params_.group_m > 0 ? params_.group_m : 0.75 * voxelSize(); }
   OrientedPoints groupsOf(const Features& features) const {
     return radar_surface::orientedPoints(features[0], {groupRadius(), params_.group_points});
   }
@@ -86,7 +92,8 @@ class RadarSurface : public RadarOdometry {
     kernel.inlier_m = options.inlier_m;
     kernel.sigma_m = options.sigma_m;
     std::vector<Eigen::Matrix2d> covariances(groups.size());
-    for (std::size_t i = 0; i < groups.size(); ++i) covariances[i] = covarianceOf(groups, i, kernel.sigma_m);
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      covariances[i] = covarianceOf(groups, i, groupRadius(), kernel.sigma_m);
     const auto against_keyframes = [&](const Pose& T_odom_base, const MatchKernel& now) {
       MatchSystem system;
       for (const Keyframe& keyframe : keyframes_) addPairs(keyframe, groups, covariances, T_odom_base, now, system);
@@ -130,7 +137,8 @@ class RadarSurface : public RadarOdometry {
       const auto k = static_cast<std::size_t>(found);
       const Eigen::Vector2d b(keyframe.points.x[k], keyframe.points.y[k]),
           n(keyframe.points.nx[k], keyframe.points.ny[k]);
-      const Eigen::Matrix2d S = covarianceOf(keyframe.points, k, kernel.sigma_m) + R * covariances[i] * R.transpose();
+      const Eigen::Matrix2d S =
+          covarianceOf(keyframe.points, k, groupRadius(), kernel.sigma_m) + R * covariances[i] * R.transpose();
       const Eigen::Matrix2d M = S.inverse();
       const Eigen::Vector2d d = placed - b;
       const double length = std::sqrt(d.dot(M * d) * n.dot(S * n));  // in metres across the surface
