@@ -217,9 +217,11 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
 }
 
 void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
-  constexpr int kRounds = 4;
-  for (int round = 0; round < kRounds && fit.deskewed; ++round) {
-    const Vector6d twist = twistOf(T_odom_base_.inverse() * fit.match.T_map_scan, scan.stamp);
+  constexpr int kMostRounds = 20;
+  constexpr double kFine = 10;  // both sweeps are wrong in the same way, which shows little: settle it well
+  for (int round = 0; round < kMostRounds && fit.deskewed; ++round) {
+    const Vector6d before = fit.twist, twist = twistOf(T_odom_base_.inverse() * fit.match.T_map_scan, scan.stamp);
+    if (round > 0 && !moreThanNoise(kFine * (twist - before), sweepDuration(prepared.raw[0]))) break;
     Features first = first_;
     for (Cloud& part : first) compensate(part, twist);
     clearMap();
