@@ -117,7 +117,7 @@ Surface RayScene::surface(const RayPacket& rays, int i) const {
   const Actor& actor = world_.actors[part - 1];
   const bool moves = actor.speed_mps > 0 && actor.path.size() > 1;
   return {&made_of, material, moves ? movingLabel(actor.label) : static_cast<std::uint16_t>(actor.label),
-          actor.instance};
+          actor.instance, true};
 }
 
 Eigen::Vector3f RayScene::normal(const RayPacket& rays, int i) const {

@@ -17,6 +17,7 @@ struct Surface {
   std::uint16_t material_index = 0;
   std::uint16_t label = 0;  ///< SemanticKITTI class, the moving one for actors
   std::uint16_t instance = 0;
+  bool actor = false;  ///< of what moves about, not of the standing world
 };
 
 struct Hit {

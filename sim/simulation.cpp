@@ -12,12 +12,20 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// The ground below a point, seen from a metre above it.
+/// The ground below a point, seen from a metre above it and through whatever moves about there.
 GroundHeight groundOf(const RayScene& scene) {
   return [&scene](double x, double y, double z_hint) {
-    const double eye = z_hint + 1;
-    const auto hit = scene.first({x, y, eye}, -Vector3d::UnitZ(), 6);
-    return hit ? eye - hit->range : std::nan("");
+    constexpr int kSurfaces = 16;  // of actors, at most
+    constexpr double kReach = 6, kSkin = 1e-4;
+    double eye = z_hint + 1;
+    for (int k = 0; k < kSurfaces; ++k) {
+      const auto hit = scene.first({x, y, eye}, -Vector3d::UnitZ(), kReach - (z_hint + 1 - eye));
+      if (!hit) return std::nan("");
+      eye -= hit->range;
+      if (!hit->surface.actor) return eye;
+      eye -= kSkin;
+    }
+    return std::nan("");
   };
 }
 

@@ -140,6 +140,17 @@ void drive(Slam& slam, ScanSource& source, std::optional<Scan> first, std::size_
   if (begin) summary.input_duration_s = secondsBetween(*begin, *end);
 }
 
+/// The loops that only the corrected map shows. Where the user stops this, a resumed run does it from its beginning.
+void lookAgain(Slam& slam, const RunOptions& options, RunSummary& summary) {
+  std::optional<Progress> progress;
+  slam.lookAgain([&](std::size_t done, std::size_t total) {
+    if (!progress) progress.emplace("looking for loops again", total, options.quiet);
+    if (options.stop != nullptr && *options.stop) summary.end = SessionEnd::kStopped;
+    progress->update(done);
+    return summary.end != SessionEnd::kStopped;
+  });
+}
+
 }  // namespace
 
 void loadPlugin(const std::string& library) {
@@ -183,7 +194,8 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanS
   RunSummary summary;
   ScaleWatch scale;
   drive(slam, source, std::move(first), taken, options, summary, scale);
-  if (summary.end == SessionEnd::kStopped) slam.checkpoint();
+  slam.checkpoint();
+  if (summary.end != SessionEnd::kStopped) lookAgain(slam, options, summary);
   slam.finish(summary.end);
   summary.counts = slam.counts();
   summary.times = slam.times();

@@ -60,26 +60,31 @@ void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, Clo
   }
 }
 
-std::vector<LoopRecord> LoopCloser::close(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
-                                          CloudStore& clouds) {
+std::vector<LoopRecord> LoopCloser::close(KeyframeId query, const std::vector<Keyframe>& keyframes,
+                                          const std::vector<Pose>& T_map_base, CloudStore& clouds) {
   target_.reset();
   std::vector<LoopRecord> records;
   for (std::size_t r = 0; r < recognisers_.size(); ++r) {
     recognisers_[r]->setPoses(T_map_base);
-    for (const PlaceCandidate& candidate : recognisers_[r]->query(keyframes.back().id)) {
+    for (const PlaceCandidate& candidate : recognisers_[r]->query(query)) {
+      if (registered_.contains({query, candidate.match})) continue;
       const bool closed = std::any_of(records.begin(), records.end(), [&](const LoopRecord& record) {
         return record.match == candidate.match && record.accepted;
       });
-      if (!closed) records.push_back(verify(names_[r], candidate, keyframes, T_map_base, clouds));
+      if (!closed) records.push_back(verify(names_[r], candidate, keyframes[query], keyframes, T_map_base, clouds));
     }
   }
+  for (const LoopRecord& record : records) restore(record);
   return records;
 }
 
-LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidate& candidate,
+void LoopCloser::restore(const LoopRecord& record) {
+  if (record.registered) registered_.emplace(record.query, record.match);
+}
+
+LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidate& candidate, const Keyframe& query,
                               const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
                               CloudStore& clouds) {
-  const Keyframe& query = keyframes.back();
   LoopRecord record;
   record.query = query.id, record.match = candidate.match;
   record.recogniser = recogniser;
@@ -90,19 +95,19 @@ LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidat
   record.reason = implausible(predicted, params_.gates);
   if (!record.reason.empty()) return record;
 
-  setTarget(candidate.match, keyframes, T_map_base, clouds);
+  setTarget(candidate.match, query.id, keyframes, T_map_base, clouds);
   fill(record, verifier_.verify(*clouds.get(query.id), {candidate.T_match_query}, predicted, query.planar));
   record.accepted = record.reason.empty();
   if (record.accepted) record.reason = "accepted";
   return record;
 }
 
-void LoopCloser::setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes,
+void LoopCloser::setTarget(KeyframeId match, KeyframeId query, const std::vector<Keyframe>& keyframes,
                            const std::vector<Pose>& T_map_base, CloudStore& clouds) {
   if (target_ == match) return;
   const auto cloud_of = [&clouds](KeyframeId k) { return clouds.get(k); };
   const auto members =
-      submapMembers(keyframes, match, keyframes.back().id, params_.submap_reach_m, params_.submap_max_each_side);
+      submapMembers(keyframes, match, query, params_.submap_reach_m, params_.submap_max_each_side);
   LoopTarget target{buildSubmap(members, match, T_map_base, cloud_of), {}, {}};
   for (const KeyframeId k : members) {
     target.T_target_base.push_back(T_map_base[match].inverse() * T_map_base[k]);

@@ -2,6 +2,8 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "scslam/pipeline/slam_params.h"
@@ -21,22 +23,25 @@ class LoopCloser {
   /// the same.
   void add(const Keyframe& keyframe, const Descriptor& descriptor, CloudStore& clouds);
 
-  /// Every candidate for the newest keyframe with its figures and verdict.
-  std::vector<LoopRecord> close(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
-                                CloudStore& clouds);
+  /// Every candidate for keyframe `query` with its figures and verdict. Pairs that were registered before are left out.
+  std::vector<LoopRecord> close(KeyframeId query, const std::vector<Keyframe>& keyframes,
+                                const std::vector<Pose>& T_map_base, CloudStore& clouds);
+  /// A record of a session that goes on.
+  void restore(const LoopRecord& record);
 
  private:
-  LoopRecord verify(const std::string& recogniser, const PlaceCandidate& candidate,
+  LoopRecord verify(const std::string& recogniser, const PlaceCandidate& candidate, const Keyframe& query,
                     const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base, CloudStore& clouds);
   /// The scans around `match` as the verifier's target, unless it holds them; within one close() the poses stay.
-  void setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
-                 CloudStore& clouds);
+  void setTarget(KeyframeId match, KeyframeId query, const std::vector<Keyframe>& keyframes,
+                 const std::vector<Pose>& T_map_base, CloudStore& clouds);
 
   RegistrationParams params_;
   std::vector<std::string> names_;  ///< of the recognisers
   std::vector<std::unique_ptr<PlaceRecogniser>> recognisers_;
   LoopVerifier verifier_;
-  std::optional<KeyframeId> target_;  ///< what verifier_ holds
+  std::optional<KeyframeId> target_;                      ///< what verifier_ holds
+  std::set<std::pair<KeyframeId, KeyframeId>> registered_;  ///< query, match; before this close()
 };
 
 }  // namespace scslam

@@ -20,7 +20,7 @@ void LoopLedger::addNode(const Keyframe& keyframe) {
 void LoopLedger::add(LoopRecord& record) {
   record.verified = record.accepted;
   if (record.verified) {
-    Entry entry{candidates_, loopFactor(record, params_), false, {}};
+    Entry entry{candidates_, record.query, loopFactor(record, params_), false, {}};
     consistency_.addLoop(entry.factor);
     entries_.push_back(std::move(entry));
     record.reason = entries_.back().told_reason = reasonOf(entries_.size() - 1);
@@ -31,7 +31,7 @@ void LoopLedger::add(LoopRecord& record) {
 
 void LoopLedger::restore(const LoopRecord& record) {
   if (record.verified) {
-    entries_.push_back({candidates_, loopFactor(record, params_), record.reason == kRefused, record.reason});
+    entries_.push_back({candidates_, record.query, loopFactor(record, params_), record.reason == kRefused, record.reason});
     consistency_.addLoop(entries_.back().factor);
   }
   ++candidates_;
@@ -73,6 +73,11 @@ std::vector<LoopVerdict> LoopLedger::judge() {
 std::size_t LoopLedger::accepted() const {
   return static_cast<std::size_t>(std::count_if(entries_.begin(), entries_.end(),
                                                 [](const Entry& entry) { return entry.told_reason == kAccepted; }));
+}
+
+bool LoopLedger::hasAccepted(KeyframeId query) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [query](const Entry& entry) { return entry.query == query && entry.told_reason == kAccepted; });
 }
 
 void LoopLedger::appendAcceptedTo(PoseGraph& graph) const {

@@ -29,12 +29,14 @@ class LoopLedger {
   std::vector<LoopVerdict> judge();
   std::size_t candidates() const { return candidates_; }
   std::size_t accepted() const;
+  bool hasAccepted(KeyframeId query) const;
   /// Adds the factors of the accepted loops alone.
   void appendAcceptedTo(PoseGraph& graph) const;
 
  private:
   struct Entry {
     std::uint32_t number;  ///< among the session's records
+    KeyframeId query;
     Factor factor;
     bool refused_by_graph = false;
     std::string told_reason;

@@ -98,19 +98,35 @@ void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
 }
 
 void Slam::closeLoops() {
+  const bool accepted = closeLoops(keyframes_.back().id);
+  if (accepted || satellites_.due()) optimise();
+  counts_.candidates = ledger_.candidates(), counts_.loops = ledger_.accepted();
+}
+
+bool Slam::closeLoops(KeyframeId query) {
   std::vector<LoopRecord> records;
-  bool solve = satellites_.due();
   {
     const StageTimer timer(times_, Stage::kRegistration);
-    records = loops_.close(keyframes_, graph_.poses, clouds_);
+    records = loops_.close(query, keyframes_, graph_.poses, clouds_);
   }
+  bool accepted = false;
   for (LoopRecord& record : records) {
     ledger_.add(record);
-    solve |= record.accepted;
+    accepted |= record.accepted;
     session_.addLoop(record);
     say(fmt::format("loop {} -> {}: {}", record.query, record.match, record.reason));
   }
-  if (solve) optimise();
+  return accepted;
+}
+
+void Slam::lookAgain(const std::function<bool(std::size_t, std::size_t)>& go_on) {
+  if (!params_.place.look_again || ledger_.accepted() == 0) return;  // without a loop, no pose was corrected
+  std::vector<KeyframeId> open;
+  for (const Keyframe& keyframe : keyframes_)
+    if (!ledger_.hasAccepted(keyframe.id)) open.push_back(keyframe.id);
+  bool accepted = false;
+  for (std::size_t k = 0; k < open.size() && go_on(k, open.size()); ++k) accepted |= closeLoops(open[k]);
+  if (accepted) optimise();
   counts_.candidates = ledger_.candidates(), counts_.loops = ledger_.accepted();
 }
 
@@ -169,7 +185,7 @@ std::size_t Slam::resume(RecoveredSession recovered) {
     ledger_.addNode(recovered.keyframes[k]);
     loops_.add(recovered.keyframes[k], recovered.descriptors[k], clouds_);
   }
-  for (const LoopRecord& record : recovered.loops) ledger_.restore(record);
+  for (const LoopRecord& record : recovered.loops) ledger_.restore(record), loops_.restore(record);
   graph_.poses = std::move(recovered.T_map_base);
   return taken_;
 }

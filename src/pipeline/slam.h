@@ -1,5 +1,6 @@
 // The paper's figure: sensor -> odometry -> keyframe -> place -> registration -> graph -> session.
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,6 +32,11 @@ class Slam {
 
   void process(Scan scan);
 
+  /// At the end: asks once more about every keyframe without a loop, now that all poses are corrected (the drift may
+  /// have hidden a place, or the newest poses were not known yet). The loops found correct the map together.
+  /// @param go_on told how many of how many are done; false ends the search.
+  void lookAgain(const std::function<bool(std::size_t, std::size_t)>& go_on);
+
   /// Makes the present point one a later run can go on from.
   void checkpoint();
   /// Brings the session folder up to date.
@@ -47,6 +53,8 @@ class Slam {
   void takePoints(Scan& sweep);
   void addKeyframe(const Scan& scan, const OdometryStep& step);
   void closeLoops();
+  /// @return whether a loop was accepted.
+  bool closeLoops(KeyframeId query);
   void collectFixes(const Scan& scan, const OdometryStep& step);
   void optimise();
   void say(const std::string& line);

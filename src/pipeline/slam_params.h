@@ -22,9 +22,12 @@ struct OdometryParams : ParamSetOf<OdometryParams> {
 
 struct PlaceParams : ParamSetOf<PlaceParams> {
   /// Side by side: each one's candidates are verified. The first one's descriptors are what the session keeps.
-  PluginList<PlaceRecogniser> recognisers{{"scan_context"}};
+  PluginList<PlaceRecogniser> recognisers{{"scan_context", "cart_context", "radius"}};
+  bool look_again = true;
   void describe(ParamVisitor& v) override {
     recognisers.describe(v, "recognisers", "which place recognisers, side by side");
+    v.field("look_again", look_again,
+            "after the run, keyframes without a loop are asked once more, with all poses corrected");
   }
 };
 
