@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "scslam/odometry/frontends/radar_features/descriptors.h"
 #include "scslam/odometry/frontends/radar_features/motion.h"
@@ -17,7 +18,7 @@ using namespace radar_features;
 class RadarFeatures : public RadarOdometry {
  public:
   struct Params : ParamSetOf<Params>, RadarOdometryParams {
-    int keypoints = 600;
+    int keypoints = 400;
     double patch_m = 0, reach_m = 0, inlier_m = 0;
     int max_bits = 90;
     double ratio = 0.9;
@@ -28,7 +29,7 @@ class RadarFeatures : public RadarOdometry {
       v.field("patch_m", patch_m, "radius of what a descriptor sees [m]; 0: 2.5 voxel_m", 0.0, 100.0);
       v.field("reach_m", reach_m, "a keypoint is looked for so far from where it is expected [m]; 0: 3 voxel_m", 0.0,
               100.0);
-      v.field("inlier_m", inlier_m, "pairs that fit the motion to this count [m]; 0: 0.2 voxel_m", 0.0, 10.0);
+      v.field("inlier_m", inlier_m, "pairs that fit the motion to this count [m]; 0: 0.3 voxel_m", 0.0, 10.0);
       v.field("max_bits", max_bits, "descriptors that match differ in fewer of 256 bits", 1, 256);
       v.field("ratio", ratio, "and in fewer than this share of the next best's", 0.1, 1.0);
       v.field("ransac_iterations", ransac_iterations, "hypotheses a sweep", 1, 100000);
@@ -91,7 +92,7 @@ class RadarFeatures : public RadarOdometry {
 
   double patch() const { return params_.patch_m > 0 ? params_.patch_m : 2.5 * scale(); }
   double reach() const { return params_.reach_m > 0 ? params_.reach_m : 3 * scale(); }
-  double inlier() const { return params_.inlier_m > 0 ? params_.inlier_m : 0.2 * scale(); }
+  double inlier() const { return params_.inlier_m > 0 ? params_.inlier_m : 0.3 * scale(); }
   double scale() const { return voxelSize(); }
 
   /// Pairs whose descriptors are each other's nearest.
@@ -102,6 +103,7 @@ class RadarFeatures : public RadarOdometry {
     std::vector<std::int64_t> partner(now.size(), -1);
     std::vector<int> taken_at(last_.x.size(), params_.max_bits + 1);
     std::vector<std::int64_t> taken_by(last_.x.size(), -1);
+    std::vector<std::pair<std::size_t, int>> near;  // keypoints within reach and their distance in bits
     for (std::size_t i = 0; i < now.size(); ++i) {
       const Eigen::Vector3f at = (T_last_start * keypoints.point(i).cast<double>()).cast<float>();
       int best = params_.max_bits;
@@ -110,7 +112,7 @@ class RadarFeatures : public RadarOdometry {
         const float dx = at.x() - last_.x_still[k], dy = at.y() - last_.y_still[k];
         return dx * dx + dy * dy <= reach2;
       };
-      std::vector<std::pair<std::size_t, int>> near;
+      near.clear();
       for (std::size_t k = 0; k < last_.x.size(); ++k) {
         if (!within(k)) continue;
         const int bits = distanceOf(now[i], last_.descriptors[k]);
@@ -145,29 +147,60 @@ class RadarFeatures : public RadarOdometry {
     return pairs;
   }
 
+  /// What is known of the time between the sweep before and this one.
+  struct Gap {
+    bool timed = false;
+    double unit = 1;                     ///< of a step [s]; without times the step itself is the twist
+    double last_middle = 0, middle = 0;  ///< mean time of the keypoints after their stamps [s]
+  };
+  Gap gap() const {
+    constexpr double kShortest = 1e-3, kLongest = 2;  // [s]: over which a constant velocity means something
+    const double seconds = secondsBetween(last_.stamp, present_.stamp);
+    if (!(seconds > kShortest && seconds < kLongest) || params_.deskew == "off") return {};
+    return {true, seconds, meanOf(last_.dt), meanOf(present_.dt)};
+  }
+  static double meanOf(const std::vector<float>& values) {
+    double sum = 0;
+    for (const float value : values) sum += static_cast<double>(value);
+    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+  }
+  /// Where poses go on from, and how long that is before the present stamp.
+  Pose fromMiddle() const { return T_last_middle_.value_or(T_last_); }
+  double sinceMiddle(const Gap& between) const {
+    return T_last_middle_ ? between.unit - between.last_middle : between.unit;
+  }
+  /// Of the present sweep at T_odom_base; nothing when its velocity is not known.
+  std::optional<Pose> middleOf(const Pose& T_odom_base) const {
+    constexpr double kShortest = 0.02;  // [s]
+    const Gap between = gap();
+    if (last_.x.empty() || !between.timed || sinceMiddle(between) < kShortest) return std::nullopt;
+    const Pose T_moved = fromMiddle().inverse() * T_odom_base;
+    Eigen::Isometry2d T = Eigen::Isometry2d::Identity();
+    T.linear() = T_moved.linear().topLeftCorner<2, 2>(), T.translation() = T_moved.translation().head<2>();
+    return T_odom_base * lifted(moved(twistOfMotion(T, sinceMiddle(between)), between.middle));
+  }
+  static Pose lifted(const Eigen::Isometry2d& T) {
+    return poseFromYaw(std::atan2(T.linear()(1, 0), T.linear()(0, 0)), {T.translation().x(), T.translation().y(), 0});
+  }
+
   MatchResult match(const Features& features, const Guess& /*guess*/, const Pose& T_start) const override {
-    constexpr double kLongestGap = 2.0;  // [s] over which a constant velocity means something
     MatchResult result;
     result.T_map_scan = T_start;
+    const Gap between = gap();
     const Pose T_last_start = T_last_.inverse() * T_start;
-    const double gap_s = secondsBetween(last_.stamp, present_.stamp);
-    const bool timed = gap_s > 1e-3 && gap_s < kLongestGap && params_.deskew != "off";
-    const double unit = timed ? gap_s : 1.0;  // of a step; without times the step itself is the twist
-    const std::vector<Pair> pairs = pairsOf(features, T_last_start, timed ? gap_s : 0.0);
+    const std::vector<Pair> pairs = pairsOf(features, T_last_start, between.timed ? between.unit : 0.0);
     const std::vector<Pair> kept = pruned(pairs, 2 * inlier());
     MotionModel model;
     model.sensor = sensor().translation().head<2>();
-    model.doppler_beta = timed ? beta_s_ : 0.0;
-    MotionOptions options{params_.ransac_iterations, inlier(), 1};
-    const Eigen::Vector3d start(T_last_start.translation().x() / unit, T_last_start.translation().y() / unit,
-                                yawOf(T_last_start) / unit);
-    const Motion motion = motionOf(kept, start, model, options);
+    model.doppler_beta = between.timed ? beta_s_ : 0.0;
+    const Eigen::Vector3d start(T_last_start.translation().x(), T_last_start.translation().y(), yawOf(T_last_start));
+    const Motion motion = motionOf(kept, start / between.unit, model, {params_.ransac_iterations, inlier(), kSeed});
     result.system.points = static_cast<std::uint32_t>(std::min(present_.x.size(), last_.x.size()));
     result.system.matched = static_cast<std::uint32_t>(pairs.size());
     if (!motion.found) return result;
-    const Eigen::Isometry2d step = moved(motion.twist, unit);
-    Pose T_last_now = poseFromYaw(unit * motion.twist.z(), {step.translation().x(), step.translation().y(), 0});
-    result.T_map_scan = T_last_ * T_last_now;
+    // The velocity is that between the middles of both sweeps. Where the car brakes it was another between their
+    // stamps: poses go from middle to middle.
+    result.T_map_scan = fromMiddle() * lifted(moved(motion.twist, sinceMiddle(between)));
     result.converged = true;
     result.iterations = params_.ransac_iterations;
     addFigures(kept, motion, result);
@@ -195,6 +228,7 @@ class RadarFeatures : public RadarOdometry {
 
   void insert(const Features& features, const Pose& T_odom_base) override {
     ScanToMap::insert({features[kAll]}, T_odom_base);
+    T_last_middle_ = middleOf(T_odom_base);
     last_ = present_;
     last_.x_still = features[kKeypoints].x, last_.y_still = features[kKeypoints].y;
     last_.descriptors = describe(field_, places_, patch(), 0, threads());
@@ -204,6 +238,8 @@ class RadarFeatures : public RadarOdometry {
   void saveMap(ByteWriter& state) const override {
     ScanToMap::saveMap(state);
     state.put(T_last_);
+    state.put(T_last_middle_.has_value());
+    state.put(T_last_middle_.value_or(Pose::Identity()));
     state.put(std::int64_t{last_.stamp.time_since_epoch().count()});
     for (const auto* values : {&last_.x, &last_.y, &last_.dt, &last_.x_still, &last_.y_still}) state.put(*values);
     state.put(last_.descriptors);
@@ -212,6 +248,10 @@ class RadarFeatures : public RadarOdometry {
   void loadMap(ByteReader& state) override {
     ScanToMap::loadMap(state);
     state.get(T_last_);
+    const bool middle_known = state.get<bool>();
+    Pose T_middle;
+    state.get(T_middle);
+    T_last_middle_ = middle_known ? std::optional(T_middle) : std::nullopt;
     last_.stamp = Stamp(Stamp::duration(state.get<std::int64_t>()));
     for (auto* values : {&last_.x, &last_.y, &last_.dt, &last_.x_still, &last_.y_still}) {
       state.get(*values);
@@ -221,10 +261,12 @@ class RadarFeatures : public RadarOdometry {
     if (last_.descriptors.size() != last_.x.size()) throw inputError("odometry: saved keypoints of different numbers");
   }
 
+  static constexpr std::uint32_t kSeed = 1;
   static constexpr double kCorrelatedPairs = 4;  ///< neighbouring azimuths see the same echo
 
   Params params_;
-  Pose T_last_ = Pose::Identity();  ///< T_odom_base of last_
+  Pose T_last_ = Pose::Identity();     ///< T_odom_base of last_
+  std::optional<Pose> T_last_middle_;  ///< of the base in the middle of that sweep, frame odom
   Seen last_;
 
   // Of the present scan, made by extract().

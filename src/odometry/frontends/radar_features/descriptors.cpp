@@ -51,7 +51,7 @@ PowerField::PowerField(const RadarScan& scan, double cell_m) {
 
 float PowerField::at(float x, float y) const {
   if (power_.empty()) return 0;
-  const float column = (std::hypot(x, y) - offset_m_) * cells_per_m_ - 0.5f;
+  const float column = (std::sqrt(x * x + y * y) - offset_m_) * cells_per_m_ - 0.5f;
   if (!(column >= 0) || column >= static_cast<float>(cells_ - 1)) return 0;
   const auto n = static_cast<float>(rows_);
   float row = (std::atan2(-y, x) - first_rad_) * rows_per_rad_;  // the encoder counts clockwise

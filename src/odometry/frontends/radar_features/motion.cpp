@@ -1,6 +1,7 @@
 #include "scslam/odometry/frontends/radar_features/motion.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +18,14 @@ Eigen::Vector2d withoutDoppler(const Eigen::Vector2d& p, const Eigen::Vector3d& 
   if (!(range2 > 0)) return p;
   const Eigen::Vector2d velocity = twist.head<2>() + twist.z() * Eigen::Vector2d(-model.sensor.y(), model.sensor.x());
   return p + model.doppler_beta * velocity.dot(ray) / range2 * ray;
+}
+
+/// Takes the velocity at the beginning of an arc of this angle to the mean one along it.
+Eigen::Matrix2d arcOf(double angle) {
+  const bool straight = std::abs(angle) < 1e-6;
+  const double s = straight ? 1 - angle * angle / 6 : std::sin(angle) / angle,
+               c = straight ? 0.5 * angle : (1 - std::cos(angle)) / angle;
+  return (Eigen::Matrix2d() << s, -c, c, s).finished();
 }
 
 /// Gauss-Newton on the chosen pairs; with `width_m` > 0 weighed by Geman-McClure's kernel of that width.
@@ -82,14 +91,17 @@ std::vector<Pair> pruned(const std::vector<Pair>& pairs, double tolerance_m) {
 }
 
 Eigen::Isometry2d moved(const Eigen::Vector3d& twist, double time) {
-  const double angle = twist.z() * time;
-  // Translation of an arc: sin(a)/a and (1 - cos(a))/a of the straight way.
-  const double s = std::abs(angle) < 1e-6 ? 1 - angle * angle / 6 : std::sin(angle) / angle,
-               c = std::abs(angle) < 1e-6 ? 0.5 * angle : (1 - std::cos(angle)) / angle;
   Eigen::Isometry2d T = Eigen::Isometry2d::Identity();
-  T.linear() = Eigen::Rotation2Dd(angle).toRotationMatrix();
-  T.translation() = time * Eigen::Vector2d(s * twist.x() - c * twist.y(), c * twist.x() + s * twist.y());
+  T.linear() = Eigen::Rotation2Dd(twist.z() * time).toRotationMatrix();
+  T.translation() = time * arcOf(twist.z() * time) * twist.head<2>();
   return T;
+}
+
+Eigen::Vector3d twistOfMotion(const Eigen::Isometry2d& T, double time) {
+  const double angle = std::atan2(T.linear()(1, 0), T.linear()(0, 0));
+  Eigen::Vector3d twist;
+  twist << arcOf(angle).inverse() * T.translation() / time, angle / time;
+  return twist;
 }
 
 Eigen::Vector2d residualOf(const Pair& pair, const Eigen::Vector3d& twist, const MotionModel& model) {

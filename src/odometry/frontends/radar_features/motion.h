@@ -38,8 +38,10 @@ struct Motion {
   bool found = false;
 };
 
-/// The plane's motion of a constant twist: rotation angle and translation after `time`.
+/// The motion in the plane that a constant twist makes in this time: an arc.
 Eigen::Isometry2d moved(const Eigen::Vector3d& twist, double time);
+/// The twist that moves so in this time: the inverse of moved().
+Eigen::Vector3d twistOfMotion(const Eigen::Isometry2d& T, double time);
 /// moved(twist, time) * a - b with the Doppler shift of both undone.
 Eigen::Vector2d residualOf(const Pair& pair, const Eigen::Vector3d& twist, const MotionModel& model);
 
