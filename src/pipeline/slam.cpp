@@ -125,9 +125,7 @@ void Slam::lookAgain(const std::function<bool(std::size_t, std::size_t)>& go_on)
   std::vector<KeyframeId> open;
   for (const Keyframe& keyframe : keyframes_)
     if (!ledger_.hasAccepted(keyframe.id)) open.push_back(keyframe.id);
-  bool accepted = false;
-  for (std::size_t k = 0; k < open.size() && go_on(k, open.size()); ++k) accepted |= closeLoops(open[k]);
-  if (accepted) solveAll();
+  for (std::size_t k = 0; k < open.size() && go_on(k, open.size()); ++k) closeLoops(open[k]);
   counts_.candidates = ledger_.candidates(), counts_.loops = ledger_.accepted();
 }
 

@@ -34,7 +34,7 @@ class Slam {
   void process(Scan scan);
 
   /// At the end: asks once more about every keyframe without a loop, now that all poses are corrected (the drift may
-  /// have hidden a place, or the newest poses were not known yet). The loops found correct the map together.
+  /// have hidden a place, or the newest poses were not known yet). finish() corrects the map with the loops found.
   /// @param go_on told how many of how many are done; false ends the search.
   void lookAgain(const std::function<bool(std::size_t, std::size_t)>& go_on);
 
