@@ -34,6 +34,7 @@ Verb listVerb();
 Verb configVerb();
 Verb doctorVerb();
 Verb mergeVerb();
+Verb localizeVerb();
 Verb simVerb();
 Verb realismVerb();
 

@@ -52,9 +52,9 @@ PairLoops::PairLoops(const SavedMap& a, const SavedMap& b, const SlamParams& sla
 }
 
 LoopRecord& PairLoops::attempt(LoopRecord record, const Pose& T_match_query_guess, const OdometryPrediction& predicted,
-                               LoopTrial& trial) {
+                               const std::vector<Pose>& T_map_a, LoopTrial& trial) {
   record.yaw_guess_rad = yawOf(T_match_query_guess);
-  trial.setTarget(record.match, a_.keyframes(), static_cast<KeyframeId>(a_.keyframes().size()), a_.poses(),
+  trial.setTarget(record.match, a_.keyframes(), static_cast<KeyframeId>(a_.keyframes().size()), T_map_a,
                   [this](KeyframeId k) { return a_.cloud(k); });
   trial.verify(record, *b_.cloud(record.query), {T_match_query_guess}, predicted, b_.keyframes()[record.query].planar);
   records_.push_back(std::move(record));
@@ -71,8 +71,8 @@ void PairLoops::tryFound(std::vector<FoundPlace> found, LoopTrial& trial, const 
     LoopRecord record;
     record.query = place.query, record.match = place.candidate.match;
     record.recogniser = place.recogniser, record.distance = place.candidate.distance;
-    LoopRecord& tried =
-        attempt(std::move(record), place.candidate.T_match_query, anywhere(place.candidate.T_match_query), trial);
+    LoopRecord& tried = attempt(std::move(record), place.candidate.T_match_query,
+                                anywhere(place.candidate.T_match_query), a_.poses(), trial);
     if (tried.accepted && tried.unfixed_axes > 0) {
       tried.accepted = false;
       tried.reason = fmt::format("{} directions unfixed, and no odometry links the sessions", tried.unfixed_axes);
@@ -108,7 +108,7 @@ void PairLoops::tryNear(const std::vector<Pose>& T_map_a, const std::vector<Pose
     const Place place = *farthest;
     places.erase(farthest);
     const Pose T_guess = T_map_a[place.record.match].inverse() * T_map_b[place.record.query];
-    const LoopRecord& tried = attempt(place.record, T_guess, near(T_guess, place.way_m), trial);
+    const LoopRecord& tried = attempt(place.record, T_guess, near(T_guess, place.way_m), T_map_a, trial);
     const bool seen_through =
         tried.free_space_checked && tried.seen_through > slam_.registration.gates.max_seen_through;
     near_accepted_ += tried.accepted ? 1 : 0;

@@ -36,7 +36,7 @@ class PairLoops {
 
  private:
   LoopRecord& attempt(LoopRecord record, const Pose& T_match_query_guess, const OdometryPrediction& predicted,
-                      LoopTrial& trial);
+                      const std::vector<Pose>& T_map_a, LoopTrial& trial);
   void judge();
   double distanceToLoops(const LoopRecord& place) const;
   double spread() const;
