@@ -79,8 +79,8 @@ Verb localizeVerb() {
             app.add_option("--odometry", flags->odometry, "front-end (scslam list odometry)");
             app.add_option("--gt", options.truth, "true trajectory of the input, for the error");
             app.add_option("--session-gt", options.session_truth,
-                           "true trajectory of the session in the same world: the error is then absolute, otherwise "
-                           "after laying one on the other");
+                           "true trajectory of the session in the same world: errors are then those relative to the "
+                           "map's keyframe nearby, otherwise after laying the truth on the result");
             app.add_option("--sensor", options.sensor, "sensor table: file or shipped name");
             app.add_option("--label", options.label, "take the scans of this sensor label");
             app.add_option("--skip", options.skip, "leave out the first N scans");

@@ -63,7 +63,7 @@ void LocalizeParams::describe(ParamVisitor& v) {
           1000000);
   v.field("lost_after_m", lost_after_m, "or so much way without one [m]", 0.1, 1e6);
   v.field("restart_after_scans", restart_after_scans,
-          "while searching, scans that odometry cannot use after which it begins anew", 1, 1000000);
+          "scans in a row that neither odometry nor the map can use after which odometry begins anew", 1, 1000000);
 }
 
 Localiser::Localiser(const SavedMap& map, const SlamParams& slam, const LocalizeParams& params,
@@ -94,7 +94,11 @@ Localiser::Localiser(const SavedMap& map, const SlamParams& slam, const Localize
 
 void Localiser::reset() { pending_.reset(), tracked_.reset(); }
 
-void Localiser::odometryRestarted() { pending_.reset(), tracked_.reset(); }
+void Localiser::odometryRestarted(const Pose& T_odom_base) {
+  if (pending_ && !pending_->now) pending_.reset();
+  if (pending_) pending_->T_odom_base = T_odom_base;
+  if (tracked_) tracked_->T_odom_base = T_odom_base;
+}
 
 KeyframeId Localiser::nearestTo(const Eigen::Vector3d& p_map) const {
   KeyframeId nearest = 0;
@@ -116,6 +120,7 @@ Whereabouts Localiser::step(const OdometryStep& step) {
   if (where.state == WhereState::kTracking) return where;
   // Carried off while blind? The map may know this place before patience ends.
   Whereabouts again = search(step, thinned);
+  where.odometry_doubted = again.odometry_doubted;
   return again.state == WhereState::kTracking ? again : where;
 }
 
@@ -160,7 +165,7 @@ bool Localiser::confirmed(const Fix& fix, const Pose& T_odom_base) {
     if (!near(pending_->T_map_base * T_step, fix.T_map_base, params_.agree_m + drift_m, params_.agree_deg))
       pending_.reset();
   }
-  pending_ = Pending{fix.T_map_base, T_odom_base, pending_ ? pending_->agreeing + 1 : 1};
+  pending_ = Pending{fix.T_map_base, T_odom_base, pending_ ? pending_->agreeing + 1 : 1, true};
   return pending_->agreeing >= params_.confirmations;
 }
 
@@ -174,9 +179,12 @@ Whereabouts Localiser::search(const OdometryStep& step, const Cloud& thinned) {
     return where;
   }
   const std::optional<Fix> fix = recognised(here, step, thinned, where.note);
+  const bool had_pending = pending_.has_value();
+  if (pending_) pending_->now = false;
   if (!fix) return where;
   if (!confirmed(*fix, step.T_odom_base)) {
     where.note = fmt::format("found near keyframe {}, not yet confirmed", fix->keyframe);
+    where.odometry_doubted = had_pending && pending_->agreeing == 1;
     return where;
   }
   pending_.reset();

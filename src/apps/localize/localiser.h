@@ -33,6 +33,7 @@ struct Whereabouts {
   Matrix6d covariance = Matrix6d::Zero();  ///< of it, tangent of core/pose.h, frame base
   std::optional<KeyframeId> keyframe;      ///< of the map, against whose surroundings the scan was registered
   bool first_fix = false;                  ///< found just now, for the first time or again
+  bool odometry_doubted = false;           ///< two findings in a row, but odometry says they are elsewhere: it slipped
   std::string note;                        ///< why not, or what happened
 };
 
@@ -45,8 +46,8 @@ class Localiser {
   void reset();
   /// @param step of the front-end, frame base.
   Whereabouts step(const OdometryStep& step);
-  /// The front-end began anew: its poses have nothing to do with those before.
-  void odometryRestarted();
+  /// The front-end began anew with the scan of the last step(): where its odometry frame puts that scan.
+  void odometryRestarted(const Pose& T_odom_base);
   bool searching() const { return !tracked_; }
 
  private:
@@ -58,6 +59,7 @@ class Localiser {
   struct Pending {
     Pose T_map_base, T_odom_base;
     int agreeing = 0;
+    bool now = false;  ///< found in the last step
   };
   struct Tracked {
     Pose T_map_base, T_odom_base;

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
-#include "scslam/apps/alignment.h"
+#include "scslam/apps/localize/localize_truth.h"
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
 #include "scslam/core/log.h"
@@ -54,24 +53,6 @@ std::string csvHeader() {
   return header + ",keyframe,note\n";
 }
 
-/// T_truth_map from the session's own truth.
-Pose placeInTruth(const Session& session, const std::filesystem::path& file) {
-  const Trajectory truth = readTrajectory(file);
-  if (!truth.timed && truth.poses.size() != session.scans().size())
-    throw inputError("{} has {} poses and no times, the session has {} scans", file.string(), truth.poses.size(),
-                     session.scans().size());
-  std::vector<Pose> in_truth, in_map;
-  for (const Keyframe& keyframe : session.keyframes()) {
-    const std::size_t row = keyframe.scan_index - session.scans().front().index;
-    const auto T = truth.timed                ? truth.at(keyframe.stamp)
-                   : row < truth.poses.size() ? std::optional(truth.poses[row].T)
-                                              : std::nullopt;
-    if (T) in_truth.push_back(*T), in_map.push_back(session.poses()[keyframe.id]);
-  }
-  if (in_truth.empty()) throw inputError("{} has no pose at the time of any keyframe of the session", file.string());
-  return alignPoses(in_truth, in_map);
-}
-
 /// Everything that happens to one scan.
 class Drive {
  public:
@@ -103,22 +84,23 @@ class Drive {
     const auto start = Clock::now();
     Whereabouts where = localiser_.step(step);
     (was_searching ? search_ms : track_ms).push_back(millisecondsSince(start));
+    if (!step.quality.ok)
+      where.note += fmt::format("{}odometry: {}", where.note.empty() ? "" : "; ", step.quality.note);
     count(scan, where, was_searching);
-    if (!step.quality.ok && localiser_.searching() && ++unusable_ >= config_.localize.restart_after_scans) restart();
-    if (step.quality.ok) unusable_ = 0;
+    unusable_ = step.quality.ok || where.state == WhereState::kTracking ? 0 : unusable_ + 1;
+    if (where.odometry_doubted || unusable_ >= config_.localize.restart_after_scans) restart(scan, T_own_base);
 
     const Matrix6d K = adjoint(T_own_base);
     where.T_map_base = where.T_map_base * T_own_base.inverse();
     where.covariance = K * where.covariance * K.transpose();
     csv += csvRow(scan, where);
     if (where.state == WhereState::kTracking)
-      poses.push_back({scan.stamp, where.T_map_base}), rows.push_back(scan.index);
+      tracked.push_back({scan.stamp, scan.index, where.T_map_base, *where.keyframe});
   }
 
   LocalizeSummary summary;
   std::string csv = csvHeader();
-  std::vector<StampedPose> poses;
-  std::vector<std::size_t> rows;  ///< scan of each pose
+  std::vector<TrackedScan> tracked;
   std::vector<double> search_ms, track_ms;
 
  private:
@@ -127,9 +109,10 @@ class Drive {
     odometry_->begin(source_.size(), source_.T_base_reference());
     unusable_ = 0;
   }
-  void restart() {
+  /// Odometry anew, from this scan on.
+  void restart(const Scan& scan, const Pose& T_own_base) {
     beginOdometry();
-    localiser_.odometryRestarted();
+    localiser_.odometryRestarted(odometry_->step(scan).T_odom_base * T_own_base);
     ++summary.restarts;
   }
   void count(const Scan& scan, const Whereabouts& where, bool was_searching) {
@@ -153,36 +136,6 @@ class Drive {
   int unusable_ = 0;
   std::optional<Stamp> begin_;
 };
-
-LocalizeError errorOf(const Drive& drive, const Session& session, const LocalizeOptions& options) {
-  const Trajectory truth = readTrajectory(options.truth);
-  std::vector<Pose> in_truth, in_map;
-  for (std::size_t i = 0; i < drive.poses.size(); ++i) {
-    const auto T = truth.timed                          ? truth.at(drive.poses[i].stamp)
-                   : drive.rows[i] < truth.poses.size() ? std::optional(truth.poses[drive.rows[i]].T)
-                                                        : std::nullopt;
-    if (T) in_truth.push_back(*T), in_map.push_back(drive.poses[i].T);
-  }
-  LocalizeError error;
-  error.poses = in_truth.size();
-  const bool placed = !options.session_truth.empty();
-  error.alignment = placed ? "the session's truth places the map" : "truth laid on the result (give --session-gt)";
-  const Pose T_truth_map = placed ? placeInTruth(session, options.session_truth) : alignPoses(in_truth, in_map);
-  std::vector<double> metres;
-  double square_m2 = 0, square_rad2 = 0;
-  for (std::size_t i = 0; i < in_truth.size(); ++i) {
-    const Vector6d d = local(in_truth[i], T_truth_map * in_map[i]);
-    const double m = d.head<3>().norm(), rad = d.tail<3>().norm();
-    metres.push_back(m);
-    square_m2 += m * m, square_rad2 += rad * rad;
-    error.max_m = std::max(error.max_m, m);
-    error.wrong += m > 1 || rad > 5 * M_PI / 180;
-  }
-  const auto n = static_cast<double>(std::max<std::size_t>(1, in_truth.size()));
-  error.rmse_m = std::sqrt(square_m2 / n), error.rmse_deg = std::sqrt(square_rad2 / n) * 180 / M_PI;
-  error.median_m = median(metres);
-  return error;
-}
 
 LocalizeConfig resolveConfig(const LocalizeOptions& options, const Session& session, const PluginContext& context) {
   LocalizeConfig config;
@@ -253,10 +206,12 @@ LocalizeSummary localize(const LocalizeOptions& options, const PluginContext& co
   take(drive, *opened.source, std::move(*first), options);
 
   LocalizeSummary& summary = drive.summary;
-  if (!options.truth.empty()) summary.error = errorOf(drive, map.session(), options);
+  if (!options.truth.empty()) summary.error = localizeError(drive.tracked, map, options.truth, options.session_truth);
   summary.search_ms_median = median(drive.search_ms), summary.track_ms_median = median(drive.track_ms);
   summary.wall_s = millisecondsSince(start) / 1000;
-  writeFileAtomically(options.output.string() + ".tum", formatTum(drive.poses));
+  std::vector<StampedPose> poses;
+  for (const TrackedScan& scan : drive.tracked) poses.push_back({scan.stamp, scan.T_map_base});
+  writeFileAtomically(options.output.string() + ".tum", formatTum(poses));
   writeFileAtomically(options.output.string() + ".csv", drive.csv);
   return summary;
 }

@@ -30,14 +30,16 @@ struct LocalizeOptions {
   std::optional<std::size_t> max;
   std::filesystem::path output;         ///< OUT of OUT.tum and OUT.csv
   std::filesystem::path truth;          ///< of the input, T_world_base; empty: none
-  std::filesystem::path session_truth;  ///< of the session in the same world; empty: the truth is laid on the result
+  std::filesystem::path session_truth;  ///< of the session in the same world; empty: none
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Distance of tracked poses from the truth.
+/// Distance of tracked poses from the truth. With the truth of the session, it is that of the robot as seen from the
+/// map's keyframe nearby: how well it is localised, whatever the map itself is off by. Without, the truth is laid on
+/// the result, which hides what all poses have in common.
 struct LocalizeError {
-  std::string alignment;  ///< how truth and map were brought together, for people
+  std::string against;  ///< which of both, for people
   double rmse_m = 0, max_m = 0, median_m = 0, rmse_deg = 0;
   std::size_t poses = 0, wrong = 0;  ///< compared; more than 1 m or 5 deg away
 };

@@ -15,9 +15,9 @@ std::string localizeJson(const LocalizeSummary& s) {
                                  {"first_fix", nullptr}};
   if (s.first_fix_scan) json["first_fix"] = {{"scan", *s.first_fix_scan}, {"time_s", *s.first_fix_s}};
   if (s.error)
-    json["error"] = {{"rmse_m", s.error->rmse_m},      {"median_m", s.error->median_m}, {"max_m", s.error->max_m},
-                     {"rmse_deg", s.error->rmse_deg},  {"poses", s.error->poses},       {"wrong", s.error->wrong},
-                     {"alignment", s.error->alignment}};
+    json["error"] = {{"rmse_m", s.error->rmse_m},     {"median_m", s.error->median_m}, {"max_m", s.error->max_m},
+                     {"rmse_deg", s.error->rmse_deg}, {"poses", s.error->poses},       {"wrong", s.error->wrong},
+                     {"against", s.error->against}};
   json["ms_per_scan"] = {{"search", s.search_ms_median}, {"track", s.track_ms_median}};
   json["wall_s"] = s.wall_s;
   json["ended"] = s.stopped ? "stopped" : s.ended_early.empty() ? "done" : "input ended early";
@@ -39,7 +39,7 @@ std::string localizeTable(const LocalizeSummary& s) {
   if (s.error)
     row("error", fmt::format("{:.3f} m rms, {:.3f} m median, {:.3f} m at most, {:.3f} deg rms; {} of {} wrong ({})",
                              s.error->rmse_m, s.error->median_m, s.error->max_m, s.error->rmse_deg, s.error->wrong,
-                             s.error->poses, s.error->alignment));
+                             s.error->poses, s.error->against));
   row("time", fmt::format("{:.1f} s; a scan {:.0f} ms searching, {:.0f} ms tracking (median, odometry apart)", s.wall_s,
                           s.search_ms_median, s.track_ms_median));
   return text;
