@@ -85,12 +85,13 @@ std::string parentsCsv(const std::vector<SavedMap>& maps, const std::vector<std:
                        const SessionUnion& joined, const MemberPlaces& places) {
   std::string text =
       "parent,name,first_keyframe,keyframes,first_scan,scans,time_offset_s,tx,ty,tz,qx,qy,qz,qw,folder\n";
+  std::size_t parent = 0;  // as session.yaml counts them
   for (const std::size_t s : joined.members) {
     const Pose T = alignPoses(joined.T_map_base[s], maps[s].poses());
     Eigen::Quaterniond q(T.linear());
     if (q.w() < 0) q.coeffs() = -q.coeffs();
     const auto& t = T.translation();
-    text += fmt::format("{},{},{},{},{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", s,
+    text += fmt::format("{},{},{},{},{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", parent++,
                         csvField(names[s]), places.first_keyframe[s], maps[s].keyframes().size(), places.first_scan[s],
                         maps[s].scans().size(), std::chrono::duration<double>(places.time_offset[s]).count(), t.x(),
                         t.y(), t.z(), q.x(), q.y(), q.z(), q.w(), csvField(maps[s].session().folder().string()));
@@ -104,11 +105,12 @@ void writeTables(const fs::path& folder, const std::vector<SavedMap>& maps, cons
   std::string keyframes = "keyframe,parent,parent_keyframe\n";
   const fs::path lt_mapper = folder / layout::kLtMapper;
   fs::create_directories(lt_mapper);
+  std::size_t parent = 0;
   for (const std::size_t s : joined.members) {
     std::vector<Pose> central, local;
     const Pose T_own_map = alignPoses(joined.T_map_base[s], maps[s].poses()).inverse();
     for (KeyframeId k = 0; k < joined.T_map_base[s].size(); ++k) {
-      keyframes += fmt::format("{},{},{}\n", places.first_keyframe[s] + k, s, maps[s].ownNumber(k));
+      keyframes += fmt::format("{},{},{}\n", places.first_keyframe[s] + k, parent, maps[s].ownNumber(k));
       central.push_back(joined.T_map_base[s][k] * T_base_sensor);
       local.push_back(T_own_map * central.back());
     }
@@ -118,6 +120,7 @@ void writeTables(const fs::path& folder, const std::vector<SavedMap>& maps, cons
     };
     write("central", central);
     write("local", local);
+    ++parent;
   }
   writeFileAtomically(folder / layout::kKeyframeParents, keyframes);
 }
