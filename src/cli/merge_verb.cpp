@@ -62,7 +62,7 @@ Verb mergeVerb() {
                            "two session folders or more, ours or classic, any order");
             app.add_option("-o,--output", flags->options.output, "folder of the merged session");
             app.add_option("-c,--config", flags->options.configs,
-                           "configuration over that of the first session: file or shipped name");
+                           "configuration over that of the longest session: file or shipped name");
             app.add_option("--set", flags->options.sets,
                            "one parameter: section.key=value (merge.min_loops=4; --dump shows the section merge)");
             app.add_option("--gt", flags->options.truths,

@@ -22,6 +22,9 @@ void MergeParams::describe(ParamVisitor& v) {
   v.field("min_spread_m", min_spread_m, "and the way they must be spread over [m]", 0, 1e5);
   v.field("enough_loops", enough_loops, "agreeing loops after which the search for a pair's placement ends", 2, 100000);
   v.field("max_trials", max_trials, "candidates of a pair registered in that search at most", 1, 10000000);
+  v.field("rounds_in_vain", rounds_in_vain,
+          "candidates of each stretch of way that may fail before the search for a pair without any loop ends", 1,
+          10000);
   v.field("trial_spacing_m", trial_spacing_m, "one candidate of each such stretch of way is tried before others [m]",
           0.1, 1e5);
   v.field("radius_m", radius_m, "once placed, keyframes this near each other are candidates too [m]", 0, 1000);
@@ -83,10 +86,18 @@ std::vector<Input> openInputs(const MergeOptions& options) {
   return inputs;
 }
 
-MergeConfig resolveConfig(const MergeOptions& options, const Session& first, const PluginContext& context) {
+/// Whose base frame and configuration the others take.
+const Session& longestOf(const std::vector<Input>& inputs) {
+  return std::max_element(
+             inputs.begin(), inputs.end(),
+             [](const Input& p, const Input& q) { return p.session.keyframes().size() < q.session.keyframes().size(); })
+      ->session;
+}
+
+MergeConfig resolveConfig(const MergeOptions& options, const Session& reference, const PluginContext& context) {
   MergeConfig config;
-  if (first.info().config_yaml.empty() && first.info().planar) loadConfig(config.slam, "laser2d");
-  loadSessionConfig(config.slam, first, context);
+  if (reference.info().config_yaml.empty() && reference.info().planar) loadConfig(config.slam, "laser2d");
+  loadSessionConfig(config.slam, reference, context);
   for (const auto& file : options.configs) loadConfig(config.slam, file);
   for (const auto& assignment : options.sets) setParam(config, assignment);
   return config;
@@ -215,9 +226,8 @@ MergeSummary summarise(const std::vector<SavedMap>& maps, const std::vector<std:
   return summary;
 }
 
-SessionInfo infoOf(const std::vector<SavedMap>& maps, const std::vector<std::string>& digests,
+SessionInfo infoOf(SessionInfo info, const std::vector<SavedMap>& maps, const std::vector<std::string>& digests,
                    const std::vector<std::string>& names, const SessionUnion& joined, const MergeConfig& config) {
-  SessionInfo info = maps.front().session().info();
   info.parents.clear();
   info.input.clear();
   std::string all_digests;
@@ -260,10 +270,10 @@ MergeSummary mergeSessions(const MergeOptions& options, const PluginContext& con
   const auto start = std::chrono::steady_clock::now();
   std::vector<Input> inputs = openInputs(options);
   PartialFolder partial(options.output, options.sessions, options.overwrite);
-  const MergeConfig config = resolveConfig(options, inputs.front().session, context);
-  const Pose T_base_sensor = inputs.front().session.info().T_base_sensor;
-  const auto cache_bytes =
-      static_cast<std::size_t>(config.slam.session.cloud_cache_mb * 1e6 / static_cast<double>(inputs.size()));
+  const SessionInfo reference = longestOf(inputs).info();
+  const MergeConfig config = resolveConfig(options, longestOf(inputs), context);
+  const Pose T_base_sensor = reference.T_base_sensor;
+  const auto cache_bytes = static_cast<std::size_t>(config.slam.session.cloud_cache_mb * 1e6);  // of each session
 
   std::vector<SavedMap> maps;
   std::vector<Trajectory> truths;
@@ -307,8 +317,8 @@ MergeSummary mergeSessions(const MergeOptions& options, const PluginContext& con
     summary.peak_rss_mb = peakRssMb();
     return mergeJson(summary);
   };
-  writeMerged(partial.folder(), infoOf(maps, digests, names, joined, config), maps, names, merger.pairs(), joined,
-              search.descriptors, metrics, [&] {
+  writeMerged(partial.folder(), infoOf(reference, maps, digests, names, joined, config), maps, names, merger.pairs(),
+              joined, search.descriptors, metrics, [&] {
                 tick();
                 writing.update(++written);
               });

@@ -20,7 +20,7 @@ namespace scslam {
 struct MergeParams : ParamSetOf<MergeParams> {
   int min_loops = 3;
   double min_spread_m = 10;
-  int enough_loops = 12, max_trials = 600;
+  int enough_loops = 12, max_trials = 600, rounds_in_vain = 2;
   double trial_spacing_m = 5;
   double radius_m = 5, loop_distance_m = 3;
   int max_loops = 200;
@@ -40,7 +40,7 @@ struct MergeConfig : ParamSetOf<MergeConfig> {
 
 struct MergeOptions {
   std::vector<std::filesystem::path> sessions;  ///< two or more, in any order
-  std::vector<std::string> configs, sets;       ///< over the configuration of the first session
+  std::vector<std::string> configs, sets;       ///< over the configuration of the longest session
   std::filesystem::path output;
   /// True trajectories of the sessions, in their order and in one world frame, for the figures; empty: none.
   std::vector<std::filesystem::path> truths;

@@ -23,9 +23,13 @@ OdometryPrediction near(const Pose& T_match_query, double way_to_next_loop_m) {
   return {T_match_query, sigma.cwiseAbs2().asDiagonal(), way_to_next_loop_m};
 }
 
+struct TrialOrder {
+  std::vector<FoundPlace> places;
+  std::size_t stretches = 0;
+};
+
 /// Best first within each stretch of the way; then the best of all stretches, the second best of all, …
-std::vector<FoundPlace> spreadOut(std::vector<FoundPlace> found, const std::vector<Keyframe>& keyframes,
-                                  double stretch_m) {
+TrialOrder spreadOut(std::vector<FoundPlace> found, const std::vector<Keyframe>& keyframes, double stretch_m) {
   std::map<std::int64_t, std::vector<FoundPlace>> stretches;
   for (FoundPlace& place : found)
     stretches[static_cast<std::int64_t>(keyframes[place.query].travelled_m / stretch_m)].push_back(std::move(place));
@@ -36,10 +40,10 @@ std::vector<FoundPlace> spreadOut(std::vector<FoundPlace> found, const std::vect
     });
     rounds = std::max(rounds, places.size());
   }
-  std::vector<FoundPlace> order;
+  TrialOrder order{{}, stretches.size()};
   for (std::size_t round = 0; round < rounds; ++round)
     for (auto& [number, places] : stretches)
-      if (round < places.size()) order.push_back(std::move(places[round]));
+      if (round < places.size()) order.places.push_back(std::move(places[round]));
   return order;
 }
 
@@ -63,10 +67,12 @@ LoopRecord& PairLoops::attempt(LoopRecord record, const Pose& T_match_query_gues
 
 void PairLoops::tryFound(std::vector<FoundPlace> found, LoopTrial& trial, const std::function<void()>& tick) {
   trial.forgetTarget();
-  found = spreadOut(std::move(found), b_.keyframes(), params_.trial_spacing_m);
-  for (const FoundPlace& place : found) {
+  const TrialOrder order = spreadOut(std::move(found), b_.keyframes(), params_.trial_spacing_m);
+  const std::size_t in_vain = static_cast<std::size_t>(params_.rounds_in_vain) * order.stretches;
+  for (const FoundPlace& place : order.places) {
     const bool enough = accepted() >= static_cast<std::size_t>(params_.enough_loops) && refusal().empty();
     if (enough || records_.size() >= static_cast<std::size_t>(params_.max_trials)) break;
+    if (verified_.empty() && records_.size() >= in_vain) break;
     tick();
     LoopRecord record;
     record.query = place.query, record.match = place.candidate.match;
