@@ -38,7 +38,8 @@ int run(MergeFlags flags, const GlobalOptions& global) {
   std::signal(SIGTERM, requestStop);
   const MergeSummary summary = mergeSessions(flags.options, {threads, log});
   for (const MergedParent& parent : summary.parents)
-    if (!parent.joined) logWarn(log, "{} overlaps none of the others and stays separate", parent.folder.string());
+    if (!parent.joined)
+      logWarn(log, "{} is not joined to the sessions of the result and stays separate", parent.folder.string());
 
   const std::filesystem::path folder = flags.options.output;
   const Session session = Session::open(folder);

@@ -62,7 +62,7 @@ std::string mergeTable(const MergeSummary& summary) {
     const MergedParent& parent = summary.parents[s];
     std::string value = fmt::format("{} keyframes, {}", parent.keyframes,
                                     parent.joined ? fmt::format("from {} on", parent.first_keyframe)
-                                                  : "SEPARATE: overlaps none of the others, left out");
+                                                  : "SEPARATE: not joined to the sessions of the result, left out");
     if (parent.time_offset_s > 0) value += fmt::format(", times moved by {:.0f} s", parent.time_offset_s);
     if (s < summary.single_ate_rmse_m.size() && summary.single_ate_rmse_m[s])
       value += fmt::format(", ATE {:.3f} m by itself", *summary.single_ate_rmse_m[s]);
