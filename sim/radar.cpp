@@ -107,6 +107,7 @@ RadarScan Radar::scan(const RayScene& scene, const Trajectory& drive, double sta
   RadarScan result;
   result.resize(rows, static_cast<std::size_t>(model_.bins));
   result.range_resolution_m = model_.range_resolution_m, result.range_offset_m = model_.range_offset_m;
+  result.doppler_beta_s = model_.doppler_beta_s;
   result.label = model_.name, result.T_base_sensor = model_.T_base_sensor();
   threads.forEachChunk(rows, kRowsPerChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {

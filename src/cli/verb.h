@@ -33,6 +33,8 @@ Verb infoVerb();
 Verb listVerb();
 Verb configVerb();
 Verb doctorVerb();
+Verb mergeVerb();
+Verb localizeVerb();
 Verb simVerb();
 Verb realismVerb();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "scslam/graph/block_kernels.h"
 
@@ -167,6 +168,55 @@ void BlockCholesky<B>::solve(std::vector<double>& x) const {
   for (std::size_t v = 0; v < symbolic_->size; ++v)
     std::copy_n(y.begin() + static_cast<std::ptrdiff_t>(std::size_t{symbolic_->position[v]} * B), B,
                 x.begin() + static_cast<std::ptrdiff_t>(v * B));
+}
+
+/// L z = b for the rows of one supernode, on spread_.
+template <int B>
+void BlockCholesky<B>::forward(const Supernode& node) {
+  using Row = Eigen::Matrix<double, 1, B>;
+  const double* panel = panels_.data() + node.panel * B * B;
+  const std::size_t ld = std::size_t{node.height()} * B, width = std::size_t{node.width()} * B;
+  const auto row = [&](std::size_t r) { return Eigen::Map<Row>(spread_.data() + r * B); };
+  for (std::size_t c = 0; c < width; ++c) {
+    const double* column = panel + c * ld;
+    const std::size_t own = std::size_t{node.begin} * B;
+    row(own + c) /= column[c];
+    const Row z = row(own + c);
+    for (std::size_t r = c + 1; r < width; ++r) row(own + r) -= column[r] * z;
+    for (std::size_t k = node.rows_begin, r = width; k < node.rows_end; ++k)
+      for (std::size_t q = 0; q < B; ++q, ++r) row(std::size_t{symbolic_->rows[k]} * B + q) -= column[r] * z;
+  }
+}
+
+template <int B>
+typename BlockCholesky<B>::Block BlockCholesky<B>::spread(std::uint32_t i, const Block& J_i, std::uint32_t j,
+                                                          const Block& J_j) {
+  spread_.resize(std::size_t{symbolic_->size} * B * B, 0.0);
+  const auto nodeOf = [&](Index v) { return symbolic_->supernode_of[symbolic_->position[v]]; };
+  const auto rowsOf = [&](Index p, Index count) {
+    return Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, B, Eigen::RowMajor>>(
+        spread_.data() + std::size_t{p} * B * B, static_cast<Eigen::Index>(count) * B, B);
+  };
+  std::vector<Index> open;
+  for (const auto& [v, J] : {std::pair{i, &J_i}, std::pair{j, &J_j}}) {
+    if (v >= symbolic_->size) continue;  // a node that does not move
+    rowsOf(symbolic_->position[v], 1) += J->transpose();
+    open.push_back(nodeOf(v));
+  }
+  Block result = Block::Zero();
+  while (!open.empty()) {  // from both leaves to the root, lower columns first
+    const auto lowest = std::min_element(open.begin(), open.end());
+    const Index s = *lowest;
+    open.erase(lowest);
+    if (std::find(open.begin(), open.end(), s) != open.end()) continue;  // where both paths have met
+    const Supernode& node = symbolic_->supernodes[s];
+    forward(node);
+    auto z = rowsOf(node.begin, node.width());
+    result.noalias() += z.transpose() * z;
+    z.setZero();
+    if (node.rows_end > node.rows_begin) open.push_back(symbolic_->supernode_of[symbolic_->rows[node.rows_begin]]);
+  }
+  return result;
 }
 
 template class BlockCholesky<3>;

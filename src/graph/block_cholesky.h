@@ -1,5 +1,6 @@
 // Supernodal left-looking Cholesky factorisation of a symmetric positive definite block-sparse matrix.
 #pragma once
+#include <Eigen/Core>
 #include <memory>
 #include <vector>
 
@@ -19,16 +20,23 @@ class BlockCholesky {
   /// Solves in place; B numbers per variable.
   void solve(std::vector<double>& x) const;
 
+  using Block = Eigen::Matrix<double, B, B>;
+  /// A H^-1 A^T for the A that has J_i at variable i, J_j at variable j and zeros elsewhere: the covariance of what A
+  /// measures. Costs a forward substitution along the elimination tree from both, not a solve.
+  Block spread(std::uint32_t i, const Block& J_i, std::uint32_t j, const Block& J_j);
+
  private:
   using Index = BlockSymbolic::Index;
   using Supernode = BlockSymbolic::Supernode;
   void load(const Supernode& node, const std::vector<double>& blocks, double damping);
   void update(const Supernode& target, const Supernode& source, std::size_t first, std::size_t last);
   bool factorPanel(const Supernode& node);
+  void forward(const Supernode& node);
 
   std::shared_ptr<const BlockSymbolic> symbolic_;
   std::vector<double> panels_;
   std::vector<double> product_;      ///< of one update
+  std::vector<double> spread_;       ///< right-hand sides of spread(), B to a row, zero between calls
   std::vector<double> diagonal_;     ///< of H by position, what pivots are compared with
   std::vector<Index> row_in_panel_;  ///< of the current target, by position
 };

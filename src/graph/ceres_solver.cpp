@@ -159,6 +159,7 @@ MinimiseResult run(PoseGraph& graph, const GraphStructure& structure, const Weig
   }
   for (std::size_t f = 0; f < graph.factors.size(); ++f) {
     const Factor& factor = graph.factors[f];
+    if (!weighting.weights.empty() && weighting.weights[f] == 0) continue;
     auto* cost = new FactorCost<Dof>(factor, weighting.weights.empty() ? 1 : weighting.weights[f]);
     const bool robust = isRobust(factor.kind) && weighting.kernel.kind() != KernelKind::kNone;
     std::vector<double*> of{blocks[factor.i].data()};

@@ -51,7 +51,7 @@ bool relaxedRotations(const PoseGraph& graph, const GraphStructure& structure, c
   LinearGraph system(structure, 3);
   for (std::size_t f = 0; f < graph.factors.size(); ++f) {
     const Factor& factor = graph.factors[f];
-    if (!counts(factor)) continue;
+    if (!counts(factor) || weightOf(weights, f) == 0) continue;
     const std::uint32_t vi = structure.variable[factor.i], vj = structure.variable[factor.j];
     const Matrix3d Z_t = factor.T_i_j.linear().transpose();
     const double w = weightOf(weights, f) * (graph.planar ? factor.information(5, 5)
@@ -89,7 +89,7 @@ bool translations(PoseGraph& graph, const GraphStructure& structure, const std::
   LinearGraph system(structure, 1);
   for (std::size_t f = 0; f < graph.factors.size(); ++f) {
     const Factor& factor = graph.factors[f];
-    if (!counts(factor)) continue;
+    if (!counts(factor) || weightOf(weights, f) == 0) continue;
     const std::uint32_t vi = structure.variable[factor.i], vj = structure.variable[factor.j];
     const bool prior = factor.kind == FactorKind::kPrior;
     const Matrix3d R_i = prior ? Matrix3d::Identity() : Matrix3d(graph.poses[factor.i].linear());

@@ -1,35 +1,16 @@
 #include "scslam/graph/consistency.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "scslam/graph/factor_error.h"
+#include "scslam/graph/covariance.h"
 
 namespace scslam {
 namespace {
-
-Matrix6d symmetric(const Matrix6d& M) { return 0.5 * (M + M.transpose()); }
-
-/// What a loop's information leaves open counts as this much [m^2, rad^2]: beyond any cycle's error.
-constexpr double kOpen = 1e6;
-
-Matrix6d covarianceOf(const Matrix6d& information) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(symmetric(information));
-  const Vector6d variances = eigen.eigenvalues().unaryExpr([](double v) { return v > 1 / kOpen ? 1 / v : kOpen; });
-  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
-}
 
 Matrix6d diagonal(double level_m, double up_m, double turn_rad) {
   Vector6d v;
   v << level_m * level_m, level_m * level_m, up_m * up_m, Eigen::Vector3d::Constant(turn_rad * turn_rad);
   return v.asDiagonal();
-}
-
-/// Covariance of T^-1, given that of T (in the frame T leads to); the frame T comes from.
-Matrix6d inverted(const Matrix6d& covariance, const Pose& T) {
-  const Matrix6d A = adjoint(T);
-  return symmetric(A * covariance * A.transpose());
 }
 
 }  // namespace
@@ -56,38 +37,23 @@ void LoopConsistency::addNode(const Pose& T_odom_base, double travelled_m, const
   nodes_.push_back({T_odom_base, travelled_m, covariance});
 }
 
-/// Of T_from_to along the odometry, frame `to`: what the way to `to` adds to the way to `from`.
-Matrix6d LoopConsistency::pathCovariance(std::uint32_t from, std::uint32_t to) const {
+/// T_from_to along the odometry: what the way to `to` adds to the way to `from`.
+UncertainPose LoopConsistency::path(std::uint32_t from, std::uint32_t to) const {
   const bool forward = from <= to;
   const Node& a = nodes_[forward ? from : to];
   const Node& b = nodes_[forward ? to : from];
-  const Pose T_a_b = a.T_odom_base.inverse() * b.T_odom_base;
-  const Matrix6d A = adjoint(Pose(T_a_b.inverse()));
-  const double way = b.travelled_m - a.travelled_m;
-  Matrix6d covariance = symmetric(b.covariance - A * a.covariance * A.transpose());
-  covariance += diagonal(params_.odometry_sigma_per_m * way, params_.odometry_sigma_up_per_m * way,
-                         params_.odometry_sigma_deg_per_m * M_PI / 180 * way);
-  return forward ? covariance : inverted(covariance, T_a_b);
+  UncertainPose way{a.T_odom_base.inverse() * b.T_odom_base, {}};
+  const double travelled = b.travelled_m - a.travelled_m;
+  way.covariance = symmetric(b.covariance - invertedCovariance(a.covariance, way.T_a_b.inverse())) +
+                   diagonal(params_.odometry_sigma_per_m * travelled, params_.odometry_sigma_up_per_m * travelled,
+                            params_.odometry_sigma_deg_per_m * M_PI / 180 * travelled);
+  return forward ? way : inverted(way);
 }
 
-/// T_i_k (loop a), odometry k to l, T_l_j (loop b backwards), odometry j to i.
 double LoopConsistency::disagreement(std::size_t a, std::size_t b) const {
   const Factor &one = loops_[a].factor, &two = loops_[b].factor;
-  const Pose T_k_l = nodes_[one.j].T_odom_base.inverse() * nodes_[two.j].T_odom_base;
-  const Pose T_j_i = nodes_[two.i].T_odom_base.inverse() * nodes_[one.i].T_odom_base;
-  const Pose T_l_j = two.T_i_j.inverse();
-  Matrix6d covariance = composeCovariance(loops_[a].covariance, T_k_l, pathCovariance(one.j, two.j));
-  covariance = composeCovariance(covariance, T_l_j, inverted(loops_[b].covariance, two.T_i_j));
-  covariance = symmetric(composeCovariance(covariance, T_j_i, pathCovariance(two.i, one.i)));
-  const Vector6d error = local(Pose::Identity(), one.T_i_j * T_k_l * T_l_j * T_j_i);
-  if (!planar_) return error.dot(covariance.ldlt().solve(error));
-  Eigen::Vector3d e;
-  Eigen::Matrix3d C;
-  for (int r = 0; r < 3; ++r) {
-    e(r) = error(kPlanarAxes[r]);
-    for (int c = 0; c < 3; ++c) C(r, c) = covariance(kPlanarAxes[r], kPlanarAxes[c]);
-  }
-  return e.dot(C.ldlt().solve(e));
+  return cycleChi2({one.T_i_j, loops_[a].covariance}, path(one.j, two.j), {two.T_i_j, loops_[b].covariance},
+                   path(two.i, one.i), planar_);
 }
 
 std::size_t LoopConsistency::addLoop(const Factor& loop) {

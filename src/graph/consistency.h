@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scslam/core/params.h"
+#include "scslam/graph/covariance.h"
 #include "scslam/graph/max_clique.h"
 #include "scslam/graph/pose_graph.h"
 
@@ -44,7 +45,7 @@ class LoopConsistency {
     Factor factor;
     Matrix6d covariance;
   };
-  Matrix6d pathCovariance(std::uint32_t from, std::uint32_t to) const;
+  UncertainPose path(std::uint32_t from, std::uint32_t to) const;
 
   ConsistencyParams params_;
   std::vector<Node> nodes_;

@@ -18,11 +18,15 @@ namespace {
 
 using detail::G2oLine;
 
-bool positiveSemidefinite(const Matrix6d& information, bool planar) {
+/// Moves an indefinite matrix to the nearest positive semidefinite one. @return false when it is that already.
+bool makeSemidefinite(Matrix6d& information, bool planar) {
   const Eigen::LLT<Matrix6d> llt(information);
-  if (!planar && llt.info() == Eigen::Success) return true;  // the usual case, an order cheaper than eigenvalues
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues().minCoeff() >= -1e-9 * std::max(1e-300, eigen.eigenvalues().maxCoeff());
+  if (!planar && llt.info() == Eigen::Success) return false;  // the usual case, an order cheaper than eigenvalues
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  const Vector6d& values = eigen.eigenvalues();
+  if (values.minCoeff() >= -1e-9 * std::max(1e-300, values.maxCoeff())) return false;
+  information = eigen.eigenvectors() * values.cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  return true;
 }
 
 class Reader {
@@ -47,6 +51,11 @@ class Reader {
     placeEdges();
     placeFixed();
     result_.graph.planar = planar_tags_;
+    if (indefinite_ > 0)
+      result_.warnings.push_back(fmt::format(
+          "{}:{}: an information matrix that is not positive semidefinite, the first of {}: each is replaced "
+          "by the nearest one that is",
+          file_, first_indefinite_, indefinite_));
     if (auto parts = describeParts(result_.graph, graphParts(result_.graph)); !parts.empty())
       result_.warnings.push_back(file_ + ": " + parts);
     return std::move(result_);
@@ -92,10 +101,12 @@ class Reader {
     const std::int64_t i = line.id(), j = line.id();
     if (i == j) throw inputError("{}:{}: the edge joins vertex {} to itself", file_, number, i);
     const Pose T = planar ? line.pose2d() : line.pose3d();
-    const Matrix6d information = line.information(planar);
+    Matrix6d information = line.information(planar);
     line.end();
-    if (!positiveSemidefinite(information, planar))
-      throw inputError("{}:{}: the information matrix of edge {} {} is not positive semidefinite", file_, number, i, j);
+    if (information.diagonal().minCoeff() < 0)
+      throw inputError("{}:{}: the information matrix of edge {} {} has a negative number on its diagonal", file_,
+                       number, i, j);
+    if (makeSemidefinite(information, planar) && indefinite_++ == 0) first_indefinite_ = number;
     edges_.push_back({i, j, number, T, information});
   }
 
@@ -150,6 +161,7 @@ class Reader {
   std::vector<std::pair<std::int64_t, std::size_t>> fixed_;
   std::vector<std::string> unknown_;
   bool planar_tags_ = false, spatial_tags_ = false;
+  std::size_t indefinite_ = 0, first_indefinite_ = 0;  ///< how many information matrices, and the first one's line
 };
 
 void writePose(fmt::memory_buffer& out, const Pose& T, bool se2) {

@@ -10,8 +10,9 @@ namespace scslam {
 
 /// VERTEX_SE3:QUAT, EDGE_SE3:QUAT (with or without the 21 information numbers), VERTEX_SE2, EDGE_SE2, FIX; edges-only
 /// files get identity vertices and `poses_known = false`. Unknown tags are reported once each in `warnings`.
-/// @throw inputError file:line for malformed lines, unknown vertices, NaN, information that is not positive
-/// semidefinite.
+/// Information matrices that are not positive semidefinite (public graphs have them) are replaced by the nearest that
+/// are, with one warning. @throw inputError file:line for malformed lines, unknown vertices, NaN, information that is
+/// negative on its diagonal.
 struct G2oFile {
   PoseGraph graph;
   bool poses_known = true;

@@ -13,7 +13,8 @@ namespace scslam::detail {
 struct GraphStructure {
   static constexpr std::uint32_t kHeld = ~std::uint32_t{0};
 
-  explicit GraphStructure(const PoseGraph& graph);
+  /// @param used by factor: those with 0 get no block (all are used when empty). Parts are those of the whole graph.
+  explicit GraphStructure(const PoseGraph& graph, const std::vector<std::uint8_t>& used = {});
 
   GraphParts parts;
   std::vector<std::uint32_t> variable;  ///< by node, kHeld for those that do not move
@@ -23,7 +24,7 @@ struct GraphStructure {
   std::shared_ptr<const BlockSymbolic> symbolic;
 };
 
-/// How factors count: fixed weights (all 1 when empty), and a kernel on the loop factors.
+/// How factors count: fixed weights (all 1 when empty; 0 takes a factor out), and a kernel on the robust ones.
 struct Weighting {
   RobustKernel kernel;
   std::vector<double> weights;
@@ -36,6 +37,9 @@ struct MinimiseOptions {
   /// Stops when a step promises less than this share of the cost (or less than `negligible`).
   double relative_decrease = 1e-7;
   double negligible = 1e-12;
+  /// Stops also when a step gained what it promised, up to that share: what the linear model left out is about what
+  /// there is left to gain. Saves the step that only confirms it.
+  bool trust_model = false;
 };
 
 struct MinimiseResult {

@@ -5,7 +5,8 @@
 
 namespace scslam::detail {
 
-GraphStructure::GraphStructure(const PoseGraph& graph) : parts(graphParts(graph)) {
+GraphStructure::GraphStructure(const PoseGraph& graph, const std::vector<std::uint8_t>& used)
+    : parts(graphParts(graph)) {
   variable.resize(graph.poses.size(), kHeld);
   for (std::size_t v = 0; v < graph.poses.size(); ++v)
     if (!parts.held[v]) variable[v] = variables++;
@@ -14,13 +15,14 @@ GraphStructure::GraphStructure(const PoseGraph& graph) : parts(graphParts(graph)
     return std::pair{low, high};
   };
   const auto isBlock = [](const auto& pair) { return pair.second != kHeld && pair.first != pair.second; };
-  for (const Factor& factor : graph.factors)
-    if (const auto pair = pairOf(factor); isBlock(pair)) pairs.push_back(pair);
+  const auto isUsed = [&](std::size_t f) { return used.empty() || used[f] != 0; };
+  for (std::size_t f = 0; f < graph.factors.size(); ++f)
+    if (const auto pair = pairOf(graph.factors[f]); isUsed(f) && isBlock(pair)) pairs.push_back(pair);
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   block.resize(graph.factors.size(), kHeld);
   for (std::size_t f = 0; f < graph.factors.size(); ++f)
-    if (const auto pair = pairOf(graph.factors[f]); isBlock(pair))
+    if (const auto pair = pairOf(graph.factors[f]); isUsed(f) && isBlock(pair))
       block[f] =
           variables + static_cast<std::uint32_t>(std::lower_bound(pairs.begin(), pairs.end(), pair) - pairs.begin());
   symbolic = std::make_shared<BlockSymbolic>(variables, pairs);
@@ -28,6 +30,7 @@ GraphStructure::GraphStructure(const PoseGraph& graph) : parts(graphParts(graph)
 
 double Weighting::costOf(const PoseGraph& graph, std::size_t f) const {
   const Factor& factor = graph.factors[f];
+  if (!weights.empty() && weights[f] == 0) return 0;
   const double s = factorChi2(graph, factor) * (weights.empty() ? 1 : weights[f]);
   return isRobust(factor.kind) ? kernel(s).rho : s;
 }

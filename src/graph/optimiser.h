@@ -25,6 +25,7 @@ struct OptimiserSummary {
   double chi2_final = 0;
   int iterations = 0;  ///< linear systems solved, all stages together
   bool converged = false;
+  double gate_chi2 = 0;                           ///< at which a loop counted as false
   std::string start;                              ///< "file", "spanning" or "chordal"
   std::vector<double> weights;                    ///< by factor, in [0, 1]; all 1 without a robust kernel
   std::vector<std::uint32_t> rejected_edges;      ///< loop factors that end with a weight below 1/2, increasing
@@ -41,6 +42,9 @@ struct OptimiserSummary {
 /// on threads or time. Never throws for ill-posed graphs: directions that nothing fixes stay where they were.
 /// @throw usageError for a parameter value that is not one of its choices.
 OptimiserSummary optimise(PoseGraph& graph, const OptimiserParams& params = {});
+
+/// The choices of OptimiserParams::robust.
+const std::vector<std::string>& robustChoices();
 
 /// Poses along the spanning tree with the fewest edges to each node, from each part's anchor: for graphs without poses.
 void placeAlongSpanningTree(PoseGraph& graph);

@@ -9,6 +9,7 @@ RobustKernel::RobustKernel(KernelKind kind, double gate) : kind_(kind) {
   if (kind == KernelKind::kHuber) width2_ = gate / 4;
   if (kind == KernelKind::kCauchy) width2_ = gate;
   if (kind == KernelKind::kDcs) width2_ = gate / (2 * std::sqrt(2.0) - 1);
+  if (kind == KernelKind::kGemanMcClure) width2_ = gate / (std::sqrt(2.0) - 1);
 }
 
 RobustKernel::Value RobustKernel::operator()(double s) const {
@@ -26,6 +27,10 @@ RobustKernel::Value RobustKernel::operator()(double s) const {
       const double x = 2 * width2_ / (width2_ + s);
       return {width2_ * (3 * s - width2_) / (width2_ + s), x * x};
     }
+    case KernelKind::kGemanMcClure: {
+      const double x = width2_ / (width2_ + s);
+      return {s * x, x * x};
+    }
     case KernelKind::kNone:
       break;
   }
@@ -39,5 +44,7 @@ double truncatedWeight(double s, double gate, double mu) {
 }
 
 double defaultGate(bool planar) { return planar ? 11.345 : 16.812; }
+
+double certainGate(bool planar) { return planar ? 25.902 : 33.107; }
 
 }  // namespace scslam

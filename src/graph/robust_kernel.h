@@ -6,7 +6,7 @@
 
 namespace scslam {
 
-enum class KernelKind { kNone, kHuber, kCauchy, kDcs };
+enum class KernelKind { kNone, kHuber, kCauchy, kDcs, kGemanMcClure };
 
 class RobustKernel {
  public:
@@ -15,7 +15,7 @@ class RobustKernel {
     double rho;     ///< cost in place of s
     double weight;  ///< rho'(s), in [0, 1]
   };
-  /// Huber; Cauchy; dynamic covariance scaling (Agarwal et al., ICRA 2013) in its closed form.
+  /// Huber; Cauchy; dynamic covariance scaling (Agarwal et al., ICRA 2013) in its closed form; Geman-McClure.
   Value operator()(double s) const;
   KernelKind kind() const { return kind_; }
 
@@ -28,7 +28,9 @@ class RobustKernel {
 /// inconsistent ones, a slope between that becomes a step as mu grows.
 double truncatedWeight(double s, double gate, double mu);
 
-/// 99 % quantile of the chi-square distribution for 6 (SE(3)) or 3 (SE(2)) degrees of freedom.
+/// 99 % quantile of the chi-square distribution for 6 (SE(3)) or 3 (SE(2)) degrees of freedom: where kernels weigh 1/2.
 double defaultGate(bool planar);
+/// The 99.999 % quantile: where a loop is thrown out for good. Of thousands of true loops none should be lost.
+double certainGate(bool planar);
 
 }  // namespace scslam

@@ -13,15 +13,18 @@ struct Adjacency {
   std::vector<std::size_t> begin;
   std::vector<Index> factor;
 
-  explicit Adjacency(const PoseGraph& graph) : begin(graph.poses.size() + 1) {
-    for (const Factor& f : graph.factors)
-      if (isRelative(f.kind)) ++begin[f.i + 1], ++begin[f.j + 1];
+  Adjacency(const PoseGraph& graph, const std::vector<double>& weights) : begin(graph.poses.size() + 1) {
+    const auto counts = [&](std::size_t k) {
+      return isRelative(graph.factors[k].kind) && (weights.empty() || weights[k] != 0);
+    };
+    for (std::size_t k = 0; k < graph.factors.size(); ++k)
+      if (counts(k)) ++begin[graph.factors[k].i + 1], ++begin[graph.factors[k].j + 1];
     for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
     factor.resize(begin.back());
     std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
     for (Index k = 0; k < graph.factors.size(); ++k) {
       const Factor& f = graph.factors[k];
-      if (isRelative(f.kind)) factor[next[f.i]++] = k, factor[next[f.j]++] = k;
+      if (counts(k)) factor[next[f.i]++] = k, factor[next[f.j]++] = k;
     }
   }
 };
@@ -40,8 +43,8 @@ void placeAnchors(PoseGraph& graph, const GraphParts& parts) {
 
 }  // namespace
 
-void spanningTree(PoseGraph& graph, const GraphParts& parts, bool odometry_first) {
-  const Adjacency adjacency(graph);
+void spanningTree(PoseGraph& graph, const GraphParts& parts, bool odometry_first, const std::vector<double>& weights) {
+  const Adjacency adjacency(graph, weights);
   placeAnchors(graph, parts);
   // (loops used, edges used, node): Dijkstra over lexicographic lengths; ties by node, so the tree is unique.
   using Reached = std::tuple<Index, Index, Index>;

@@ -45,6 +45,7 @@ void ScanToMap::start(const Scan& scan, Prepared& prepared, OdometryStep& out) {
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;
   insert(prepared.features, T_odom_base_);
+  if (slowSweeps()) first_ = prepared.raw;
   out.T_odom_base = T_odom_base_;
 }
 
@@ -53,7 +54,8 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
   Fit fit = fitScan(prepared, scan, guess);
   const bool jumped =
       doubtful(fit.match, guess, scan.stamp) && searched(prepared.features, guess, scan.stamp, fit.match, out.quality);
-  if (fit.deskewed) deskew(prepared.cloud, fit.twist);
+  if (!first_.empty() && share(fit.match) >= kLostShare) beginAgain(prepared, scan, fit);
+  if (fit.deskewed) compensate(prepared.cloud, fit.twist);
   if (share(fit.match) < kLostShare) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
                                         fit.match.inlierRatio(), usual_inliers_);
@@ -65,6 +67,8 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
     forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m);
   }
 }
+
+void ScanToMap::compensate(Cloud& cloud, const Vector6d& twist) const { deskew(cloud, twist); }
 
 void ScanToMap::insert(const Features& features, const Pose& T_odom_base) { map_->insert(features[0], T_odom_base); }
 
@@ -205,11 +209,26 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
     if (round > 0 && !moreThanNoise(twist - fit.twist, sweep_s)) break;
     fit.twist = twist;
     prepared.features = prepared.raw;
-    for (Cloud& part : prepared.features) deskew(part, twist);
+    for (Cloud& part : prepared.features) compensate(part, twist);
     fit.match = matchFromGuess(prepared.features, from);
     from.T_odom_base = fit.match.T_map_scan;
   }
   return fit;
+}
+
+void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
+  constexpr int kMostRounds = 20;
+  constexpr double kFine = 10;  // both sweeps are wrong in the same way, which shows little: settle it well
+  for (int round = 0; round < kMostRounds && fit.deskewed; ++round) {
+    const Vector6d before = fit.twist, twist = twistOf(T_odom_base_.inverse() * fit.match.T_map_scan, scan.stamp);
+    if (round > 0 && !moreThanNoise(kFine * (twist - before), sweepDuration(prepared.raw[0]))) break;
+    Features first = first_;
+    for (Cloud& part : first) compensate(part, twist);
+    clearMap();
+    insert(first, T_odom_base_);
+    fit = fitDeskewed(prepared, scan, {fit.match.T_map_scan, Matrix6d::Zero()});
+  }
+  first_.clear();
 }
 
 ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Guess& guess) {

@@ -49,6 +49,16 @@ class ScanToMap : public Odometry {
   /// @return empty, or why the scan is of no use; the step is then predicted.
   /// @throw inputError when no scan of this kind can be used by the method (only before there is a map).
   virtual std::string extract(const Cloud& cloud, const Scan& scan, Features& features) = 0;
+  /// Brings what was seen at the points' own instants to the scan's stamp. Default: deskew().
+  /// @param twist of the base during the sweep (deskew.h).
+  virtual void compensate(Cloud& cloud, const Vector6d& twist) const;
+  /// Do sweeps take so long that the map's first one, taken before any velocity is known, must be compensated when it is?
+  virtual bool slowSweeps() const { return false; }
+  /// What planar data says nothing of: one sigma of the step's height, roll and pitch.
+  struct OffPlane {
+    double z_m = 1e-4, tilt_rad = 1e-4;
+  };
+  virtual OffPlane offPlane(const Pose& /*T_previous_base*/) const { return {}; }
   /// A better start than the guess (scan-to-scan matching, say). Default: the guess.
   virtual Pose closer(const Features& /*features*/, const Guess& guess) const { return guess.T_odom_base; }
   /// The fit of the features to the map from T_start; guess.information pulls towards the guess.
@@ -97,6 +107,9 @@ class ScanToMap : public Odometry {
   Vector6d twistOf(const Pose& T_previous_base, Stamp stamp) const;
   bool moreThanNoise(const Vector6d& twist, double sweep_s) const;
 
+  /// The map of the first sweep anew, compensated with the velocity that the second one shows, and the second's fit to
+  /// it.
+  void beginAgain(Prepared& prepared, const Scan& scan, Fit& fit);
   Fit fitScan(Prepared& prepared, const Scan& scan, const Guess& guess);
   Fit fitDeskewed(Prepared& prepared, const Scan& scan, const Guess& guess) const;
   MatchResult matchFromGuess(const Features& features, const Guess& guess) const;
@@ -126,6 +139,7 @@ class ScanToMap : public Odometry {
   std::optional<SurfacePyramid> map_;
   double voxel_m_ = 0;
   bool planar_ = false;
+  Features first_;  ///< of slow sweeps: the map's only scan as it was seen; empty once a velocity is known
   Pose T_odom_base_ = Pose::Identity();
   Pose T_fitted_ = Pose::Identity();  ///< where the last scan was that fitted
   Pose T_step_ = Pose::Identity();    ///< last motion, T_previous_base

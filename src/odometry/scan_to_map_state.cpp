@@ -3,6 +3,23 @@
 #include "scslam/odometry/scan_to_map.h"
 
 namespace scslam {
+namespace {
+
+void put(ByteWriter& state, const Cloud& cloud) {
+  for (const auto* values : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity, &cloud.dt}) state.put(*values);
+  state.put(cloud.ring);
+}
+
+void get(ByteReader& state, Cloud& cloud) {
+  for (auto* values : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity, &cloud.dt}) state.get(*values);
+  state.get(cloud.ring);
+  const auto fits = [&cloud](std::size_t n, bool optional) { return n == cloud.size() || (optional && n == 0); };
+  if (!fits(cloud.y.size(), false) || !fits(cloud.z.size(), false) || !fits(cloud.intensity.size(), true) ||
+      !fits(cloud.dt.size(), true) || !fits(cloud.ring.size(), true))
+    throw inputError("odometry: a saved scan with arrays of different lengths");
+}
+
+}  // namespace
 
 void ScanToMapParams::describeShared(ParamVisitor& visitor) {
   visitor.field("voxel_m", voxel_m, "finest map voxel [m]; 0: from the ranges of the first scan", 0.0, 10.0);
@@ -60,8 +77,11 @@ Matrix6d ScanToMap::stepCovariance(const Matrix6d& information, const Pose& T_pr
   const double sigma_rad = 0.05 + 0.5 * rotationAngle(T_previous_base);
   Vector6d prior;
   prior << Eigen::Vector3d::Constant(1 / (sigma_m * sigma_m)), Eigen::Vector3d::Constant(1 / (sigma_rad * sigma_rad));
-  constexpr double kFixed = 1e8;  // 0.1 mm, 0.1 mrad: what planar data does not move
-  if (planar_) prior(2) = prior(3) = prior(4) = kFixed;
+  if (planar_) {
+    const OffPlane off = offPlane(T_previous_base);
+    prior(2) = 1 / (off.z_m * off.z_m);
+    prior(3) = prior(4) = 1 / (off.tilt_rad * off.tilt_rad);
+  }
   Matrix6d total = information;
   total.diagonal() += prior;
   Matrix6d covariance = total.inverse();
@@ -85,6 +105,8 @@ void ScanToMap::save(ByteWriter& state) const {
   state.put(misfits_);
   state.put(deskew_evidence_);
   state.put(deskew_trials_);
+  state.put(std::uint64_t{first_.size()});
+  for (const Cloud& part : first_) put(state, part);
   state.put(map_.has_value());
   if (map_) saveMap(state);
 }
@@ -107,6 +129,8 @@ void ScanToMap::load(ByteReader& state) {
   state.get(misfits_);
   state.get(deskew_evidence_);
   state.get(deskew_trials_);
+  first_.clear();
+  for (auto parts = state.get<std::uint64_t>(); parts > 0; --parts) get(state, first_.emplace_back());
   map_.reset();
   if (!state.get<bool>()) return;
   if (!(voxel_m_ > 0)) throw inputError("odometry: a saved map without a voxel size");

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "scslam/graph/covariance.h"
+
 namespace scslam {
 namespace {
 
@@ -10,8 +12,6 @@ Matrix6d floorCovariance(double floor_m, double floor_deg) {
   const double t = floor_m * floor_m, r = std::pow(floor_deg * M_PI / 180, 2);
   return Vector6d(t, t, t, r, r, r).asDiagonal();
 }
-
-Matrix6d symmetric(const Matrix6d& M) { return 0.5 * (M + M.transpose()); }
 
 }  // namespace
 
@@ -28,12 +28,17 @@ Pose appendNode(PoseGraph& graph, const std::vector<Keyframe>& keyframes, const 
     graph.poses.push_back(keyframe.T_odom_base);
     return graph.poses.back();
   }
-  const Pose T_i_j = keyframes.back().T_odom_base.inverse() * keyframe.T_odom_base;
-  graph.poses.push_back(graph.poses.back() * T_i_j);
-  const Matrix6d covariance =
-      symmetric(keyframe.step_covariance) + floorCovariance(params.odometry_floor_m, params.odometry_floor_deg);
-  graph.factors.push_back({FactorKind::kOdometry, j - 1, j, T_i_j, symmetric(covariance.inverse())});
+  graph.factors.push_back(odometryFactor(keyframes.back(), keyframe, j - 1, j, params));
+  graph.poses.push_back(graph.poses.back() * graph.factors.back().T_i_j);
   return graph.poses.back();
+}
+
+Factor odometryFactor(const Keyframe& earlier, const Keyframe& later, std::uint32_t i, std::uint32_t j,
+                      const GraphParams& params) {
+  const Matrix6d covariance =
+      symmetric(later.step_covariance) + floorCovariance(params.odometry_floor_m, params.odometry_floor_deg);
+  return {FactorKind::kOdometry, i, j, earlier.T_odom_base.inverse() * later.T_odom_base,
+          symmetric(covariance.inverse())};
 }
 
 Factor loopFactor(const LoopRecord& record, const GraphParams& params) {

@@ -11,6 +11,10 @@ namespace scslam {
 Pose appendNode(PoseGraph& graph, const std::vector<Keyframe>& keyframes, const Keyframe& keyframe,
                 const GraphParams& params);
 
+/// The odometry between two keyframes, which are the graph's nodes i and j.
+Factor odometryFactor(const Keyframe& earlier, const Keyframe& later, std::uint32_t i, std::uint32_t j,
+                      const GraphParams& params);
+
 /// X_match^-1 X_query = T_match_query, weighted by the registration's Hessian, never better than the floor.
 Factor loopFactor(const LoopRecord& record, const GraphParams& params);
 

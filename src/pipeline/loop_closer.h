@@ -1,13 +1,11 @@
 // Long-term data association (paper, Sec. III-B2): place recognition, registration against a submap, gates.
 #pragma once
 #include <memory>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "scslam/pipeline/slam_params.h"
-#include "scslam/registration/loop_verifier.h"
+#include "scslam/pipeline/loop_trial.h"
 #include "scslam/session/cloud_store.h"
 #include "scslam/session/records.h"
 
@@ -32,15 +30,11 @@ class LoopCloser {
  private:
   LoopRecord verify(const std::string& recogniser, const PlaceCandidate& candidate, const Keyframe& query,
                     const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base, CloudStore& clouds);
-  /// The scans around `match` as the verifier's target, unless it holds them; within one close() the poses stay.
-  void setTarget(KeyframeId match, KeyframeId query, const std::vector<Keyframe>& keyframes,
-                 const std::vector<Pose>& T_map_base, CloudStore& clouds);
 
-  RegistrationParams params_;
+  LoopGateParams gates_;
   std::vector<std::string> names_;  ///< of the recognisers
   std::vector<std::unique_ptr<PlaceRecogniser>> recognisers_;
-  LoopVerifier verifier_;
-  std::optional<KeyframeId> target_;                      ///< what verifier_ holds
+  LoopTrial trial_;                                         ///< within one close() the poses stay
   std::set<std::pair<KeyframeId, KeyframeId>> registered_;  ///< query, match; before this close()
 };
 

@@ -52,9 +52,9 @@ void LoopLedger::appendTo(PoseGraph& graph) {
   }
 }
 
-void LoopLedger::note(const OptimiserSummary& summary) {
+void LoopLedger::note(const std::vector<std::uint32_t>& rejected_edges) {
   for (Entry& entry : entries_) entry.refused_by_graph = false;
-  for (const std::uint32_t f : summary.rejected_edges)
+  for (const std::uint32_t f : rejected_edges)
     if (f >= first_factor_ && f - first_factor_ < entry_of_factor_.size())
       entries_[entry_of_factor_[f - first_factor_]].refused_by_graph = true;
 }

@@ -22,9 +22,9 @@ class LoopLedger {
   /// The same for a record of a session that goes on: its verdict stands.
   void restore(const LoopRecord& record);
 
-  /// Adds the factors of the loops that agree with each other. What optimise() says of them goes to note().
+  /// Adds the factors of the loops that agree with each other. Those the optimiser rejects go to note().
   void appendTo(PoseGraph& graph);
-  void note(const OptimiserSummary& summary);
+  void note(const std::vector<std::uint32_t>& rejected_edges);
   /// Loops whose verdict is another than what was last told.
   std::vector<LoopVerdict> judge();
   std::size_t candidates() const { return candidates_; }

@@ -15,6 +15,7 @@ Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter
       selector_(params.keyframe),
       loops_(params, context, T_base_sensor),
       ledger_(params.graph),
+      optimiser_(params.graph.optimiser),
       satellites_(params.graph.gnss),
       clouds_(session.folder(), static_cast<std::size_t>(params.session.cloud_cache_mb * 1e6),
               [T_base_sensor, voxel_m = params.registration.voxel_m](const Cloud& cloud_sensor) {
@@ -99,7 +100,7 @@ void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
 
 void Slam::closeLoops() {
   const bool accepted = closeLoops(keyframes_.back().id);
-  if (accepted || satellites_.due()) optimise();
+  if (accepted || satellites_.due()) solveOnline();
   counts_.candidates = ledger_.candidates(), counts_.loops = ledger_.accepted();
 }
 
@@ -124,9 +125,7 @@ void Slam::lookAgain(const std::function<bool(std::size_t, std::size_t)>& go_on)
   std::vector<KeyframeId> open;
   for (const Keyframe& keyframe : keyframes_)
     if (!ledger_.hasAccepted(keyframe.id)) open.push_back(keyframe.id);
-  bool accepted = false;
-  for (std::size_t k = 0; k < open.size() && go_on(k, open.size()); ++k) accepted |= closeLoops(open[k]);
-  if (accepted) optimise();
+  for (std::size_t k = 0; k < open.size() && go_on(k, open.size()); ++k) closeLoops(open[k]);
   counts_.candidates = ledger_.candidates(), counts_.loops = ledger_.accepted();
 }
 
@@ -138,19 +137,37 @@ void Slam::collectFixes(const Scan& scan, const OdometryStep& step) {
   }
 }
 
-void Slam::optimise() {
+/// What the new loops and fixes touch, from where the last solution stands: the scans do not wait for more.
+void Slam::solveOnline() {
+  const StageTimer timer(times_, Stage::kGraph);
+  const std::size_t nodes = graph_.poses.size(), factors = graph_.factors.size();
+  ledger_.appendTo(graph_);
+  satellites_.appendTo(graph_);
+  const IncrementalSummary summary = optimiser_.solve(graph_);
+  graph_.poses.resize(nodes);
+  graph_.factors.resize(factors);
+  takeSolution(summary.rejected_edges);
+  odometry_->correct(graph_.poses.back() * keyframes_.back().T_odom_base.inverse());
+}
+
+/// All poses and loops at once, at the end.
+void Slam::solveAll() {
   const StageTimer timer(times_, Stage::kGraph);
   PoseGraph graph = graph_;
   ledger_.appendTo(graph);
   satellites_.appendTo(graph);
-  ledger_.note(scslam::optimise(graph, params_.graph.optimiser));
+  const OptimiserSummary summary = optimise(graph, params_.graph.optimiser);
   std::copy_n(graph.poses.begin(), graph_.poses.size(), graph_.poses.begin());
+  takeSolution(summary.rejected_edges);
+}
+
+void Slam::takeSolution(const std::vector<std::uint32_t>& rejected_edges) {
+  ledger_.note(rejected_edges);
   for (const LoopVerdict& verdict : ledger_.judge()) {
     session_.judgeLoop(verdict);
     say(fmt::format("loop candidate {}: {}", verdict.loop, verdict.reason));
   }
   session_.setPoses(graph_.poses);
-  odometry_->correct(graph_.poses.back() * keyframes_.back().T_odom_base.inverse());
 }
 
 void Slam::checkpoint() {
@@ -191,7 +208,8 @@ std::size_t Slam::resume(RecoveredSession recovered) {
 }
 
 void Slam::finish(SessionEnd end) {
-  if (end != SessionEnd::kStopped && satellites_.anyNew()) optimise();
+  const bool any = ledger_.accepted() > 0 || satellites_.anyNew();
+  if (end != SessionEnd::kStopped && any) solveAll();  // a stopped run goes on from the online solution
   counts_.loops = ledger_.accepted();
   const StageTimer timer(times_, Stage::kSession);
   session_.finish(graph(), end);

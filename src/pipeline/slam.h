@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "scslam/graph/incremental_optimiser.h"
 #include "scslam/pipeline/loop_closer.h"
 #include "scslam/pipeline/loop_ledger.h"
 #include "scslam/pipeline/satellites.h"
@@ -33,7 +34,7 @@ class Slam {
   void process(Scan scan);
 
   /// At the end: asks once more about every keyframe without a loop, now that all poses are corrected (the drift may
-  /// have hidden a place, or the newest poses were not known yet). The loops found correct the map together.
+  /// have hidden a place, or the newest poses were not known yet). finish() corrects the map with the loops found.
   /// @param go_on told how many of how many are done; false ends the search.
   void lookAgain(const std::function<bool(std::size_t, std::size_t)>& go_on);
 
@@ -56,7 +57,9 @@ class Slam {
   /// @return whether a loop was accepted.
   bool closeLoops(KeyframeId query);
   void collectFixes(const Scan& scan, const OdometryStep& step);
-  void optimise();
+  void solveOnline();
+  void solveAll();
+  void takeSolution(const std::vector<std::uint32_t>& rejected_edges);
   void say(const std::string& line);
 
   SlamParams params_;
@@ -67,6 +70,7 @@ class Slam {
   KeyframeSelector selector_;
   LoopCloser loops_;
   LoopLedger ledger_;
+  IncrementalOptimiser optimiser_;
   Satellites satellites_;
   CloudStore clouds_;  ///< thinned, frame base
   Pose T_base_sensor_;

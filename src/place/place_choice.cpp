@@ -52,9 +52,10 @@ std::vector<PlaceCandidate> VisitedPlaces::choose(std::vector<PlaceCandidate> ra
   return best;
 }
 
-std::vector<PlaceCandidate> VisitedPlaces::inBaseFrames(std::vector<PlaceCandidate> candidates, KeyframeId k) const {
+std::vector<PlaceCandidate> VisitedPlaces::inBaseFrames(std::vector<PlaceCandidate> candidates,
+                                                        const Keyframe& query) const {
   Pose T_level_query = Pose::Identity(), T_match_level = Pose::Identity();
-  T_level_query.linear() = levelling(keyframes_[k].T_odom_base);
+  T_level_query.linear() = levelling(query.T_odom_base);
   for (PlaceCandidate& candidate : candidates) {
     T_match_level.linear() = levelling(keyframes_[candidate.match].T_odom_base).transpose();
     candidate.T_match_query = T_match_level * candidate.T_match_query * T_level_query;

@@ -28,8 +28,8 @@ class VisitedPlaces {
   /// The best of the ranking, one for each place, with their runners-up.
   /// @param ranking in any order; match, distance and T_match_query filled.
   std::vector<PlaceCandidate> choose(std::vector<PlaceCandidate> ranking) const;
-  /// Candidates whose guesses are between the upright frames of match and query k: now between their base frames.
-  std::vector<PlaceCandidate> inBaseFrames(std::vector<PlaceCandidate> candidates, KeyframeId k) const;
+  /// Candidates whose guesses are between the upright frames of match and query: now between their base frames.
+  std::vector<PlaceCandidate> inBaseFrames(std::vector<PlaceCandidate> candidates, const Keyframe& query) const;
 
  private:
   bool samePlace(std::size_t a, std::size_t b) const;

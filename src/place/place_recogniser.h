@@ -36,6 +36,15 @@ class PlaceRecogniser {
   void add(const Keyframe& keyframe, const Descriptor& descriptor) { add(keyframe, descriptor, Cloud()); }
   /// Candidates for keyframe k among the earlier ones that are at least min_travel away along the path, best first.
   virtual std::vector<PlaceCandidate> query(KeyframeId k) const = 0;
+  /// Candidates among all keyframes, best first, for a scan that is none of them: of another session, or of a robot
+  /// that looks for itself in a map. Only T_odom_base (its roll and pitch) and planar count of `keyframe`. Nothing is
+  /// stored.
+  /// @param descriptor what describe() gave; empty: made from the cloud here.
+  /// @return nothing from recognisers that look at poses only: between two sessions there is no common frame yet.
+  virtual std::vector<PlaceCandidate> find(const Keyframe& /*keyframe*/, const Descriptor& /*descriptor*/,
+                                           const Cloud& /*cloud_base*/) const {
+    return {};
+  }
   /// The present estimate of all keyframes, before a query: for recognisers that look where the robot is believed to
   /// be.
   virtual void setPoses(const std::vector<Pose>& /*T_map_base*/) {}

@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxAzimuths = 1 << 14, kMaxBins = 1 << 16, kMaxLabel = 4096;  // real ones: 400 x 3768
 constexpr double kMaxResolution = 100, kMaxOffset = 1000;                            // [m]
+constexpr double kMaxBeta = 10;                                                      // [s]
 constexpr std::size_t kBytesPerRow = 8 + 8 + 1;                                      // stamp, angle, validity
 
 /// What is wrong with a scan, nullptr if nothing.
@@ -31,6 +32,7 @@ const char* faultOf(const RadarScan& scan) {
   if (scan.azimuths > kMaxAzimuths || scan.bins > kMaxBins) return "it has an absurd size";
   if (!(scan.range_resolution_m > 0 && scan.range_resolution_m <= kMaxResolution)) return "it has an absurd resolution";
   if (!(std::abs(scan.range_offset_m) <= kMaxOffset)) return "it has an absurd range offset";
+  if (!(std::abs(scan.doppler_beta_s) <= kMaxBeta)) return "it has an absurd Doppler factor";
   if (!isRigid(scan.T_base_sensor)) return "the pose of its sensor is no rigid motion";
   for (const double angle : scan.angles)
     if (!std::isfinite(angle)) return "it has an angle that is not a number";
@@ -92,11 +94,11 @@ void CObservationRadar::setSensorPose(const mrpt::poses::CPose3D& T_base_sensor)
 
 void CObservationRadar::getDescriptionAsText(std::ostream& out) const {
   CObservation::getDescriptionAsText(out);
-  out << fmt::format("Spinning radar: {} azimuths x {} bins of {} m, range offset {} m\n", scan.azimuths, scan.bins,
-                     scan.range_resolution_m, scan.range_offset_m);
+  out << fmt::format("Spinning radar: {} azimuths x {} bins of {} m, range offset {} m, Doppler {} s\n", scan.azimuths,
+                     scan.bins, scan.range_resolution_m, scan.range_offset_m, scan.doppler_beta_s);
 }
 
-std::uint8_t CObservationRadar::serializeGetVersion() const { return 0; }
+std::uint8_t CObservationRadar::serializeGetVersion() const { return 1; }
 
 void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
   if (const char* fault = faultOf(scan)) refuse(fault);
@@ -104,7 +106,7 @@ void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
   out << timestamp << sensorLabel;
   const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T = scan.T_base_sensor.matrix().topRows<3>();
   writeArray(out, T.data(), 12);
-  out << scan.range_resolution_m << scan.range_offset_m;
+  out << scan.range_resolution_m << scan.range_offset_m << scan.doppler_beta_s;
   out << static_cast<std::uint32_t>(scan.azimuths) << static_cast<std::uint32_t>(scan.bins);
   for (std::size_t i = 0; i < scan.azimuths; ++i) {
     const std::int64_t ticks = scan.stamps[i].time_since_epoch().count();
@@ -114,7 +116,7 @@ void CObservationRadar::serializeTo(mrpt::serialization::CArchive& out) const {
 }
 
 void CObservationRadar::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
-  if (version != 0) refuse(fmt::format("version {} is newer than this program", version));
+  if (version > 1) refuse(fmt::format("version {} is newer than this program", version));
   in >> timestamp;
   sensorLabel = readLabel(in);
   RadarScan read;
@@ -122,6 +124,7 @@ void CObservationRadar::serializeFrom(mrpt::serialization::CArchive& in, std::ui
   readArray(in, T.data(), 12);
   read.T_base_sensor.matrix().topRows<3>() = T;
   in >> read.range_resolution_m >> read.range_offset_m;
+  if (version >= 1) in >> read.doppler_beta_s;
   read.azimuths = in.ReadAs<std::uint32_t>(), read.bins = in.ReadAs<std::uint32_t>();
   if (read.azimuths > kMaxAzimuths || read.bins > kMaxBins)
     refuse(fmt::format("{} x {} is absurd", read.azimuths, read.bins));

@@ -21,6 +21,7 @@ struct RadarScan {
   std::vector<std::uint8_t> valid;  ///< per azimuth: 0 = not measured; else as the sensor wrote it (mostly 255)
   double range_resolution_m = 0;    ///< width of a bin
   double range_offset_m = 0;        ///< what to add to a bin's nominal range to get the true one
+  double doppler_beta_s = 0;        ///< what a range rate of 1 m/s adds to the range shown (approaching looks nearer)
   std::string label;                ///< of the sensor
   Pose T_base_sensor = Pose::Identity();
 

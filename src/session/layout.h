@@ -27,6 +27,10 @@ inline constexpr const char* kLoops = "loops.csv";
 inline constexpr const char* kGnss = "gnss.csv";                   ///< only where there were fixes
 inline constexpr const char* kGeoreference = "georeference.yaml";  ///< only where they place the map on Earth
 
+inline constexpr const char* kParents = "parents.csv";  ///< of a merged session: whose keyframes are which
+inline constexpr const char* kKeyframeParents = "parent_keyframes.csv";  ///< and each one's number there
+inline constexpr const char* kLtMapper = "lt_mapper";  ///< poses of each parent as LT-mapper reads them
+
 /// Everything a session consists of, the manifest last; what else lies in its folder is the user's.
 std::vector<std::string> allNames();
 

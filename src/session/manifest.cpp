@@ -39,6 +39,25 @@ Pose poseOf(const YAML::Node& node) {
   return T;
 }
 
+std::string formatParents(const std::vector<SessionParent>& parents) {
+  if (parents.empty()) return "";
+  std::string text = "parents:\n";
+  for (const SessionParent& parent : parents) {
+    text += fmt::format("  - {{name: {}, digest: {}, leaves: [", quoted(parent.name), quoted(parent.digest));
+    for (std::size_t i = 0; i < parent.leaves.size(); ++i) text += (i > 0 ? ", " : "") + quoted(parent.leaves[i]);
+    text += "]}\n";
+  }
+  return text;
+}
+
+std::vector<SessionParent> parentsOf(const YAML::Node& list) {
+  std::vector<SessionParent> parents;
+  for (const YAML::Node& node : list)
+    parents.push_back({node["name"].as<std::string>(), node["digest"].as<std::string>(),
+                       node["leaves"].as<std::vector<std::string>>()});
+  return parents;
+}
+
 /// @throw YAML::Exception where a key is missing or has the wrong type.
 Manifest parse(const YAML::Node& root) {
   const auto need = [&](const char* key) {
@@ -65,6 +84,7 @@ Manifest parse(const YAML::Node& root) {
   if (root["sensor_table"]) info.sensor_table = root["sensor_table"].as<std::string>();
   info.T_base_sensor = poseOf(need("T_base_sensor"));
   info.planar = need("planar").as<bool>();
+  if (root["parents"]) info.parents = parentsOf(root["parents"]);
   manifest.scans = need("scans").as<std::size_t>();
   manifest.keyframes = need("keyframes").as<std::size_t>();
   manifest.loops_accepted = need("loops_accepted").as<std::size_t>();
@@ -85,12 +105,13 @@ std::string formatManifest(const Manifest& manifest) {
       "version: {}\nstate: {}\ninput: {}\nformat: {}\ninput_digest: {}\nconfig_digest: {}\nodometry: {}\n"
       "recogniser: {}\nregistration: {}\nsensor: {}\n"
       "{}# row-major 3x4: p_base = T_base_sensor * p_sensor\n"
-      "T_base_sensor: {}\nplanar: {}\nscans: {}\nkeyframes: {}\nloops_accepted: {}\n",
+      "T_base_sensor: {}\nplanar: {}\nscans: {}\nkeyframes: {}\nloops_accepted: {}\n{}",
       kVersion, manifest.complete ? "complete" : "open", quoted(info.input), quoted(info.input_format),
       quoted(info.input_digest), quoted(digestOf(info.config_yaml)), quoted(info.odometry), quoted(info.recogniser),
       quoted(info.registration), quoted(info.sensor_label),
       info.sensor_table.empty() ? "" : fmt::format("sensor_table: {}\n", quoted(info.sensor_table)),
-      numbers(info.T_base_sensor), info.planar, manifest.scans, manifest.keyframes, manifest.loops_accepted);
+      numbers(info.T_base_sensor), info.planar, manifest.scans, manifest.keyframes, manifest.loops_accepted,
+      formatParents(info.parents));
 }
 
 Manifest readManifest(const std::filesystem::path& folder) {

@@ -25,6 +25,7 @@ PoseGraph buildGraph(const std::vector<Keyframe>& keyframes, const std::vector<L
   graph.planar = planar;
   graph.poses = T_map_base;
   for (std::size_t k = 1; k < keyframes.size(); ++k) {
+    if (keyframes[k].step_covariance(0, 0) >= kOpenStep) continue;
     const Pose T_i_j = keyframes[k - 1].T_odom_base.inverse() * keyframes[k].T_odom_base;
     graph.factors.push_back({FactorKind::kOdometry, static_cast<std::uint32_t>(k - 1), static_cast<std::uint32_t>(k),
                              T_i_j, informationOf(keyframes[k].step_covariance)});

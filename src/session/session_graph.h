@@ -7,8 +7,13 @@
 
 namespace scslam {
 
+/// Step variance [m^2] from which on a keyframe does not follow the one before by odometry: where a merged session goes
+/// on with its next parent.
+inline constexpr double kOpenStep = 1e6;
+
 /// Odometry factors between consecutive keyframes (information = inverse step covariance) and accepted loops, over
-/// T_map_base. A step without a usable covariance (classic sessions have none) counts as 5 cm and 0.5 deg.
+/// T_map_base. A step of which nothing is known (kOpenStep) is no factor. A step without a usable covariance (classic
+/// sessions have none) counts as 5 cm and 0.5 deg.
 PoseGraph buildGraph(const std::vector<Keyframe>& keyframes, const std::vector<LoopRecord>& loops,
                      const std::vector<Pose>& T_map_base, bool planar);
 

@@ -12,6 +12,13 @@
 
 namespace scslam {
 
+/// One of the sessions that a merged one was made of.
+struct SessionParent {
+  std::string name;                 ///< its folder's name
+  std::string digest;               ///< of its keyframes: tells sessions apart wherever they lie
+  std::vector<std::string> leaves;  ///< digests of its own parents, where it is a merged one; all generations
+};
+
 /// What is fixed when the session begins; written to session.yaml (a resumed run must agree with it).
 struct SessionInfo {
   std::string input;         ///< as the user named it
@@ -23,6 +30,7 @@ struct SessionInfo {
   std::string sensor_table;  ///< shipped name or file that the user gave; empty: the reader's
   Pose T_base_sensor = Pose::Identity();
   bool planar = false;
+  std::vector<SessionParent> parents;  ///< of a merged session, in the order of its keyframes
 };
 
 /// What a killed run had recorded at its last checkpoint.

@@ -139,7 +139,8 @@ TEST(Plugins, NothingVanishedSilently) {
   EXPECT_EQ(Registry<RadarExtractor>::instance().names(),
             (std::vector<std::string>{"bfar", "ca_cfar", "cen2018", "cen2019", "k_strongest", "os_cfar"}));
   EXPECT_EQ(Registry<Odometry>::instance().names(),
-            (std::vector<std::string>{"gicp", "lego", "lio", "lio_smoother", "loam", "poses", "voxel_icp", "wheel"}));
+            (std::vector<std::string>{"gicp", "lego", "lio", "lio_smoother", "loam", "poses", "radar_features",
+                                      "radar_surface", "voxel_icp", "wheel"}));
   EXPECT_EQ(Registry<PlaceRecogniser>::instance().names(),
             (std::vector<std::string>{"cart_context", "radius", "scan_context"}));
   EXPECT_EQ(Registry<Registration>::instance().names(), (std::vector<std::string>{"voxel_planes"}));

@@ -104,22 +104,33 @@ TEST_P(G2oBadLine, IsRefusedWithItsNumber) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, G2oBadLine,
-    ::testing::Values(
-        BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0", "the line ends where a number"},
-        BadLine{"EDGE_SE3:QUAT 0", "the line ends where a vertex"},
-        BadLine{"EDGE_SE3:QUAT 0 1.5 1 0 0 0 0 0 1", "'1.5' is no vertex number"},
-        BadLine{"EDGE_SE3:QUAT 0 99999999999999999999 1 0 0 0 0 0 1", "is no vertex number"},
-        BadLine{"EDGE_SE3:QUAT 0 2 1 0 0 0 0 0 1", "vertex 2 is not in the file"},
-        BadLine{"EDGE_SE3:QUAT 1 1 1 0 0 0 0 0 1", "to itself"},
-        BadLine{"EDGE_SE3:QUAT 0 1 nan 0 0 0 0 0 1", "'nan' is not a finite number"},
-        BadLine{"EDGE_SE3:QUAT 0 1 1e999 0 0 0 0 0 1", "'1e999' is not a finite number"},
-        BadLine{"EDGE_SE3:QUAT 0 1 1,0 0 0 0 0 0 1", "'1,0' is not a number"},
-        BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 2", "length 2, not 1"},
-        BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1", "the line ends"},
-        BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 -1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1", "positive semidefinite"},
-        BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 2 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1", "positive semidefinite"},
-        BadLine{"VERTEX_SE3:QUAT 1 1 0 0 0 0 0 1", "vertex 1 was already given in line 2"},
-        BadLine{"VERTEX_SE3:QUAT 2 1 0 0 0 0 0 1 5", "'5' follows"}, BadLine{"FIX 7", "vertex 7 is not in the file"}));
+    ::testing::Values(BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0", "the line ends where a number"},
+                      BadLine{"EDGE_SE3:QUAT 0", "the line ends where a vertex"},
+                      BadLine{"EDGE_SE3:QUAT 0 1.5 1 0 0 0 0 0 1", "'1.5' is no vertex number"},
+                      BadLine{"EDGE_SE3:QUAT 0 99999999999999999999 1 0 0 0 0 0 1", "is no vertex number"},
+                      BadLine{"EDGE_SE3:QUAT 0 2 1 0 0 0 0 0 1", "vertex 2 is not in the file"},
+                      BadLine{"EDGE_SE3:QUAT 1 1 1 0 0 0 0 0 1", "to itself"},
+                      BadLine{"EDGE_SE3:QUAT 0 1 nan 0 0 0 0 0 1", "'nan' is not a finite number"},
+                      BadLine{"EDGE_SE3:QUAT 0 1 1e999 0 0 0 0 0 1", "'1e999' is not a finite number"},
+                      BadLine{"EDGE_SE3:QUAT 0 1 1,0 0 0 0 0 0 1", "'1,0' is not a number"},
+                      BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 2", "length 2, not 1"},
+                      BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1", "the line ends"},
+                      BadLine{"EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 -1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1",
+                              "negative number"},
+                      BadLine{"VERTEX_SE3:QUAT 1 1 0 0 0 0 0 1", "vertex 1 was already given in line 2"},
+                      BadLine{"VERTEX_SE3:QUAT 2 1 0 0 0 0 0 1 5", "'5' follows"},
+                      BadLine{"FIX 7", "vertex 7 is not in the file"}));
+
+TEST(G2o, ReplacesIndefiniteInformationByTheNearestThatIsNot) {
+  const std::string indefinite = "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 2 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
+  const auto read = readG2o(fileOf(kVertices + indefinite + indefinite));
+  ASSERT_EQ(read.warnings.size(), 1u);
+  EXPECT_THAT(read.warnings[0], HasSubstr("graph.g2o:3: "));
+  EXPECT_THAT(read.warnings[0], HasSubstr("first of 2"));
+  Matrix6d expected = Matrix6d::Identity();  // eigenvalues 3 and -1 of (1 2; 2 1): 3 (1 1)^T (1 1) / 2
+  expected.topLeftCorner<2, 2>().setConstant(1.5);
+  for (const Factor& factor : read.graph.factors) EXPECT_LT((factor.information - expected).norm(), 1e-12);
+}
 
 TEST(G2o, RefusesFilesThatAreNone) {
   EXPECT_THAT(errorOf("hello\n"), HasSubstr("is it a g2o file?"));

@@ -30,6 +30,19 @@ TEST(OptimizeVerb, PrintsOneJsonObjectAndWritesTheGraph) {
   EXPECT_NEAR(nlohmann::json::parse(again.out)["chi2_initial"], double(json["chi2_final"]), 1e-6);
 }
 
+TEST(OptimizeVerb, PoseByPoseEndsWhereTheBatchDoes) {
+  const auto folder = test::freshFolder();
+  test::SquareWalk walk(10, 3, 0.05);
+  writeFileAtomically(folder / "in.g2o", formatG2o(walk.graph));
+  const auto batch = test::runScslam("optimize " + (folder / "in.g2o").string() + " --json");
+  const auto online = test::runScslam("optimize " + (folder / "in.g2o").string() + " --json --incremental");
+  ASSERT_EQ(online.exit_code, 0) << online.err;
+  EXPECT_THAT(online.err, HasSubstr("ms the worst update"));
+  const auto a = nlohmann::json::parse(batch.out), b = nlohmann::json::parse(online.out);
+  EXPECT_NEAR(a["chi2_initial"], double(b["chi2_initial"]), 1e-9 * double(a["chi2_initial"]));
+  EXPECT_NEAR(a["chi2_final"], double(b["chi2_final"]), 1e-6 * double(a["chi2_final"]));
+}
+
 TEST(OptimizeVerb, EndsWithTheExitCodesOfTheReadme) {
   const auto folder = test::freshFolder();
   std::ofstream(folder / "bad.g2o") << "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nEDGE_SE3:QUAT 0 1 x\n";

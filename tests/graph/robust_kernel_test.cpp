@@ -24,7 +24,8 @@ TEST_P(RobustKernels, WeightIsTheDerivativeOfTheCost) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RobustKernels,
-                         ::testing::Values(KernelKind::kHuber, KernelKind::kCauchy, KernelKind::kDcs));
+                         ::testing::Values(KernelKind::kHuber, KernelKind::kCauchy, KernelKind::kDcs,
+                                           KernelKind::kGemanMcClure));
 
 TEST(TruncatedWeight, TurnsIntoAStepAtTheGate) {
   EXPECT_EQ(truncatedWeight(9, 10, 1e6), 1);

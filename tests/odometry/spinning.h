@@ -102,16 +102,4 @@ inline Scan spunAt(std::size_t index, const Pose& T_world_base, const BoxWorld& 
   return scan;
 }
 
-/// The drive of arc(), seen by the spinning sensor.
-inline Drive spunArc(std::size_t steps) {
-  Drive drive;
-  Pose T = poseFromYaw(0.2, {-4, -1, 0});
-  for (std::size_t k = 0; k < steps; ++k) {
-    drive.T_world_base.push_back(T);
-    drive.scans.push_back(spunAt(k, T));
-    T = T * poseFromYaw(0.035, {0.15, 0.01, 0});
-  }
-  return drive;
-}
-
 }  // namespace scslam::test

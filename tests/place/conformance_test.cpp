@@ -85,6 +85,29 @@ TEST_P(RecogniserConformance, AnEarlierKeyframeMayBeQueriedAgainWithTheSameAnswe
   }
 }
 
+TEST_P(RecogniserConformance, AScanOfAnotherSessionFindsWhatAnAddedOneWould) {
+  const auto map = make(), grown = make();
+  auto visits = twoLaps();
+  for (std::size_t k = 0; k < 6; ++k)
+    for (const auto* recogniser : {&map, &grown}) visit(**recogniser, visits[k].first, visits[k].second);
+  for (std::size_t k = 6; k < visits.size(); ++k) {
+    Keyframe visitor = visits[k].first;
+    visitor.travelled_m = 1000;  // visitors are never candidates for each other
+    visit(*grown, visitor, visits[k].second);
+    const auto expected = grown->query(visitor.id);
+    visitor.id = 77, visitor.travelled_m = 3;
+    const auto found = map->find(visitor, Descriptor(), visits[k].second);
+    if (!map->usesScans()) {
+      EXPECT_TRUE(found.empty());
+      continue;
+    }
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found[0].match, k - 6);
+    EXPECT_NEAR(found[0].distance, expected[0].distance, 1e-2);  // stored images have fewer digits
+    EXPECT_THAT(found[0].T_match_query, test::IsNear(expected[0].T_match_query, 1e-6, 1.0));
+  }
+}
+
 TEST_P(RecogniserConformance, ADescriptorReadBackGivesTheSameAsTheOneJustMade) {
   const auto live = make(), resumed = make();
   for (const auto& [keyframe, cloud] : twoLaps()) {

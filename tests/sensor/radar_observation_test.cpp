@@ -29,7 +29,7 @@ RadarScan aScan() {
     for (std::size_t k = 0; k < scan.bins; ++k) scan.row(i)[k] = static_cast<std::uint8_t>(i * 31 + k * k);
   }
   scan.valid[3] = 0;
-  scan.range_resolution_m = 0.0432, scan.range_offset_m = -0.31;
+  scan.range_resolution_m = 0.0432, scan.range_offset_m = -0.31, scan.doppler_beta_s = 0.049;
   scan.label = "navtech";
   scan.T_base_sensor = poseFromYaw(0.3, {1.5, -0.04, 1.97});
   return scan;
@@ -71,10 +71,31 @@ TEST(RadarObservation, SurvivesARawlog) {
     EXPECT_EQ(read->scan.valid, scan.valid);
     EXPECT_EQ(read->scan.range_resolution_m, scan.range_resolution_m);
     EXPECT_EQ(read->scan.range_offset_m, scan.range_offset_m);
+    EXPECT_EQ(read->scan.doppler_beta_s, scan.doppler_beta_s);
     EXPECT_EQ(read->scan.T_base_sensor.matrix(), scan.T_base_sensor.matrix());
     EXPECT_NE(dynamic_cast<const mrpt::obs::CObservationComment*>(objects.next().get()), nullptr);
     EXPECT_EQ(objects.next(), nullptr);
   }
+}
+
+TEST(RadarObservation, FilesFromBeforeTheDopplerFactorAreStillRead) {
+  const auto file = scslam::test::freshFolder() / "radar.rawlog";
+  const RadarScan scan = aScan();
+  writeRawlog(file, scan, false);
+  std::string bytes = readFile(file);
+  const std::string name = "scslam::CObservationRadar";
+  const std::size_t version = bytes.find(name) + name.size();
+  ASSERT_EQ(bytes.at(version), 1);
+  bytes[version] = 0;
+  const std::string factor(reinterpret_cast<const char*>(&scan.doppler_beta_s), sizeof(double));
+  bytes.erase(bytes.find(factor), factor.size());
+  std::ofstream(file, std::ios::binary) << bytes;
+  RawlogObjects objects(file);
+  const auto object = objects.next();
+  const auto* read = dynamic_cast<const CObservationRadar*>(object.get());
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->scan.doppler_beta_s, 0);
+  EXPECT_EQ(read->scan.power, scan.power);
 }
 
 TEST(RadarObservation, PoseOfTheSensorIsMrpts) {

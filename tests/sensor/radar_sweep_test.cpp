@@ -102,10 +102,11 @@ TEST(RadarSweep, ATableReplacesResolutionAndOffsetOfARecordedOne) {
   EXPECT_EQ(as_recorded.radar->range_resolution_m, 0.0432);
   SensorModel table;
   EXPECT_EQ(scanFrom(observation, table, "a.rawlog").radar->range_resolution_m, 0.0432);
-  table.radar.range_resolution_m = 0.0596, table.radar.range_offset_m = -0.31;
+  table.radar.range_resolution_m = 0.0596, table.radar.range_offset_m = -0.31, table.radar.doppler_beta_s = 0.049;
   const Scan other = scanFrom(observation, table, "a.rawlog");
   EXPECT_EQ(other.radar->range_resolution_m, 0.0596);
   EXPECT_EQ(other.radar->range_offset_m, -0.31);
+  EXPECT_EQ(other.radar->doppler_beta_s, 0.049);
 }
 
 }  // namespace

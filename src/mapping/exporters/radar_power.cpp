@@ -20,8 +20,8 @@ struct Mean {
 /// Power of one sweep anywhere in the plane.
 class SweepField {
  public:
-  SweepField(const RadarSweeps::Sweep& sweep, double cell_m, double doppler_beta_s)
-      : image_(*sweep.image), poses_(sweep.poses), cell_m_(cell_m), beta_(doppler_beta_s) {
+  SweepField(const RadarSweeps::Sweep& sweep, double cell_m)
+      : image_(*sweep.image), poses_(sweep.poses), cell_m_(cell_m), beta_(sweep.image->doppler_beta_s) {
     sums_.resize(image_.azimuths * (image_.bins + 1));
     for (std::size_t a = 0; a < image_.azimuths; ++a) {
       std::uint32_t* sums = &sums_[a * (image_.bins + 1)];
@@ -79,11 +79,10 @@ class SweepField {
 class RadarPowerExporter final : public MapExporter {
  public:
   struct Params : ParamSetOf<Params> {
-    double max_range_m = 120, min_range_m = 3, doppler_beta_s = 0.049;
+    double max_range_m = 120, min_range_m = 3;
     void describe(ParamVisitor& v) override {
       v.field("min_range_m", min_range_m, "nearer power is not drawn [m]", 0, 1000);
       v.field("max_range_m", max_range_m, "nor is farther [m]", 1, 10'000);
-      v.field("doppler_beta_s", doppler_beta_s, "range error by range rate of the radar; 0: none [s]", -10, 10);
     }
   };
   RadarPowerExporter(const Params& params, const PluginContext& context) : params_(params), context_(context) {}
@@ -125,7 +124,7 @@ class RadarPowerExporter final : public MapExporter {
     const RadarScan& image = *sweep.image;
     const auto known = std::find_if(sweep.poses.begin(), sweep.poses.end(), [](const auto& p) { return p.known; });
     if (known == sweep.poses.end() || image.azimuths < 8 || image.bins < 8) return;
-    const SweepField field(sweep, cell_m_, params_.doppler_beta_s);
+    const SweepField field(sweep, cell_m_);
     const double reach = std::min(params_.max_range_m, image.rangeAt(static_cast<double>(image.bins)));
     const auto cellOf = [this](double metres) { return static_cast<int>(std::floor(metres / cell_m_)); };
     const int i0 = cellOf(known->x - reach), i1 = cellOf(known->x + reach), j0 = cellOf(known->y - reach),

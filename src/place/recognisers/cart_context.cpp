@@ -44,10 +44,7 @@ class CartContext : public PlaceRecogniser {
   }
 
   void add(const Keyframe& keyframe, const Descriptor& descriptor, const Cloud& cloud_base) override {
-    const Descriptor image = descriptor.size() > 0 ? descriptor : describe(keyframe, cloud_base);
-    if (image.rows() != params_.grid.rows || image.cols() != params_.grid.columns)
-      throw inputError("keyframe {}: the descriptor is {} x {}, the configuration says {} x {}", keyframe.id,
-                       image.rows(), image.cols(), params_.grid.rows, params_.grid.columns);
+    const Descriptor image = imageOf(keyframe, descriptor, cloud_base);
     places_.add(keyframe);
     index_.add(index_.probe(image));
     images_.push_back(pack(image));
@@ -56,14 +53,33 @@ class CartContext : public PlaceRecogniser {
   std::vector<PlaceCandidate> query(KeyframeId k) const override {
     const std::size_t eligible = places_.eligibleBefore(k);
     if (eligible == 0) return {};
-    std::vector<PlaceCandidate> ranking;
-    rank(index_.place(k), 0, eligible, ranking);
-    const Descriptor flipped = unpack(images_[k], params_.grid.rows, params_.grid.columns).reverse();
-    rank(index_.probe(flipped), M_PI, eligible, ranking);
-    return places_.inBaseFrames(places_.choose(std::move(ranking)), k);
+    return among(eligible, places_[k], index_.place(k), unpack(images_[k], params_.grid.rows, params_.grid.columns));
+  }
+
+  std::vector<PlaceCandidate> find(const Keyframe& keyframe, const Descriptor& descriptor,
+                                   const Cloud& cloud_base) const override {
+    if (places_.size() == 0) return {};
+    const Descriptor image = imageOf(keyframe, descriptor, cloud_base);
+    return among(places_.size(), keyframe, index_.probe(image), image);
   }
 
  private:
+  Descriptor imageOf(const Keyframe& keyframe, const Descriptor& descriptor, const Cloud& cloud_base) const {
+    Descriptor image = descriptor.size() > 0 ? descriptor : describe(keyframe, cloud_base);
+    if (image.rows() != params_.grid.rows || image.cols() != params_.grid.columns)
+      throw inputError("keyframe {}: the descriptor is {} x {}, the configuration says {} x {}", keyframe.id,
+                       image.rows(), image.cols(), params_.grid.rows, params_.grid.columns);
+    return image;
+  }
+
+  std::vector<PlaceCandidate> among(std::size_t eligible, const Keyframe& query, const ContextProbe& seen,
+                                    const Descriptor& image) const {
+    std::vector<PlaceCandidate> ranking;
+    rank(seen, 0, eligible, ranking);
+    rank(index_.probe(image.reverse()), M_PI, eligible, ranking);
+    return places_.inBaseFrames(places_.choose(std::move(ranking)), query);
+  }
+
   static ContextLayout layoutOf(const Params& params) {
     const double column_m = 2 * params.grid.reach_aside_m / params.grid.columns;
     const double shift = std::ceil(params.max_offset_m / column_m);

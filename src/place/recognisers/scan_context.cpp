@@ -58,10 +58,7 @@ class ScanContext : public PlaceRecogniser {
   }
 
   void add(const Keyframe& keyframe, const Descriptor& descriptor, const Cloud& cloud_base) override {
-    const Descriptor image = descriptor.size() > 0 ? descriptor : describe(keyframe, cloud_base);
-    if (image.rows() != params_.grid.rings || image.cols() != params_.grid.sectors)
-      throw inputError("keyframe {}: the descriptor is {} x {}, the configuration says {} x {}", keyframe.id,
-                       image.rows(), image.cols(), params_.grid.rings, params_.grid.sectors);
+    const Descriptor image = imageOf(keyframe, descriptor, cloud_base);
     places_.add(keyframe);
     index_.add(index_.probe(image));
     copies_.push_back(shiftedCopies(keyframe, image, cloud_base));
@@ -69,16 +66,35 @@ class ScanContext : public PlaceRecogniser {
 
   std::vector<PlaceCandidate> query(KeyframeId k) const override {
     const std::size_t eligible = places_.eligibleBefore(k);
-    if (eligible == 0) return {};
-    std::vector<PlaceCandidate> ranking;
-    rank(index_.place(k), 0, eligible, ranking);
-    for (std::size_t i = 0; i < copies_[k].size(); ++i)
-      rank(index_.probe(unpack(copies_[k][i], params_.grid.rings, params_.grid.sectors)), shifts_left_m_[i], eligible,
-           ranking);
-    return places_.inBaseFrames(places_.choose(std::move(ranking)), k);
+    return eligible == 0 ? std::vector<PlaceCandidate>() : among(eligible, places_[k], index_.place(k), copies_[k]);
+  }
+
+  std::vector<PlaceCandidate> find(const Keyframe& keyframe, const Descriptor& descriptor,
+                                   const Cloud& cloud_base) const override {
+    if (places_.size() == 0) return {};
+    const Descriptor image = imageOf(keyframe, descriptor, cloud_base);
+    return among(places_.size(), keyframe, index_.probe(image), shiftedCopies(keyframe, image, cloud_base));
   }
 
  private:
+  Descriptor imageOf(const Keyframe& keyframe, const Descriptor& descriptor, const Cloud& cloud_base) const {
+    Descriptor image = descriptor.size() > 0 ? descriptor : describe(keyframe, cloud_base);
+    if (image.rows() != params_.grid.rings || image.cols() != params_.grid.sectors)
+      throw inputError("keyframe {}: the descriptor is {} x {}, the configuration says {} x {}", keyframe.id,
+                       image.rows(), image.cols(), params_.grid.rings, params_.grid.sectors);
+    return image;
+  }
+
+  std::vector<PlaceCandidate> among(std::size_t eligible, const Keyframe& query, const ContextProbe& seen,
+                                    const std::vector<PackedImage>& copies) const {
+    std::vector<PlaceCandidate> ranking;
+    rank(seen, 0, eligible, ranking);
+    for (std::size_t i = 0; i < copies.size(); ++i)
+      rank(index_.probe(unpack(copies[i], params_.grid.rings, params_.grid.sectors)), shifts_left_m_[i], eligible,
+           ranking);
+    return places_.inBaseFrames(places_.choose(std::move(ranking)), query);
+  }
+
   std::vector<PackedImage> shiftedCopies(const Keyframe& keyframe, const Descriptor& image,
                                          const Cloud& cloud_base) const {
     std::vector<PackedImage> copies;

@@ -1,0 +1,37 @@
+// A candidate on trial: registered against the scans around a keyframe, judged by every gate, written into its record.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "scslam/keyframe/submap.h"
+#include "scslam/pipeline/slam_params.h"
+#include "scslam/registration/loop_verifier.h"
+#include "scslam/session/records.h"
+
+namespace scslam {
+
+class LoopTrial {
+ public:
+  /// @param viewpoint_base where the sensor sits in the base frame.
+  LoopTrial(const RegistrationParams& params, const PluginContext& context, const Eigen::Vector3d& viewpoint_base);
+
+  /// The poses moved, or the keyframes are others from here on.
+  void forgetTarget() { target_.reset(); }
+  /// Takes the scans around keyframe `match` as the target, unless they are.
+  /// @param limit only keyframes before it are considered. @param cloud_of thinned clouds, frame base.
+  void setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes, KeyframeId limit,
+                 const std::vector<Pose>& T_map_base, const KeyframeCloud& cloud_of);
+
+  /// Registers `query` (thinned, frame base) from the guesses and fills what was measured and the verdict into `record`
+  /// (whose query, match and recogniser stay).
+  void verify(LoopRecord& record, const Cloud& query, std::vector<Pose> T_match_query_guesses,
+              const OdometryPrediction& predicted, bool planar);
+
+ private:
+  double reach_m_;
+  int max_each_side_;
+  LoopVerifier verifier_;
+  std::optional<KeyframeId> target_;  ///< what verifier_ holds
+};
+
+}  // namespace scslam
