@@ -1,4 +1,5 @@
 #include "scslam/apps/localize/localiser.h"
+#include "scslam/graph/covariance.h"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -20,8 +21,6 @@ Matrix6d variances(double sigma_m, double sigma_deg) {
   sigma << Eigen::Vector3d::Constant(sigma_m), Eigen::Vector3d::Constant(sigma_deg * M_PI / 180);
   return sigma.cwiseAbs2().asDiagonal();
 }
-
-Matrix6d symmetric(const Matrix6d& M) { return 0.5 * (M + M.transpose()); }
 
 bool near(const Pose& A, const Pose& B, double metres, double degrees) {
   const Vector6d d = local(A, B);
