@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scslam/core/parallel.h"
-#include "scslam/sensor/radar_scan.h"
+#include "scslam/odometry/odometry.h"
 
 namespace scslam::radar_features {
 
