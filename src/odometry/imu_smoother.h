@@ -4,8 +4,10 @@
 // them the poses that scan matching found, with a robust kernel: a wrong match is outvoted by its neighbours, where a
 // filter would keep it for good. What leaves the window stays as a Gaussian on its oldest node (Schur complement).
 //
-// The systems are dense and small (2 + 15 a node), so Gauss-Newton by a dense Cholesky decomposition is all that is
-// needed. Every direction has a prior, and a step that is not finite is not taken: there is no ill-posed system.
+// The systems are dense and small (2 + 15 a node), and marginals are needed of them as much as solutions, so it is
+// Gauss-Newton by a dense Cholesky decomposition and not Ceres (which only the graph folder knows). Every direction has
+// a prior, and a step that is not finite is not taken: there is no ill-posed system. A step without IMU is a guess with
+// a robust kernel of its own, that gives way to whatever is seen.
 #pragma once
 #include <deque>
 #include <optional>
