@@ -36,3 +36,18 @@ if(SCSLAM_COVERAGE)
   target_compile_options(scslam_options INTERFACE --coverage -O1)
   add_link_options(--coverage)
 endif()
+
+# Eigen, fmt and the standard library are most of what the compiler reads.
+set(SCSLAM_COMMON_HEADERS <algorithm> <filesystem> <functional> <map> <memory> <optional> <string> <vector> <Eigen/Core> <Eigen/Geometry>
+    <fmt/format.h>)
+# scslam_precompile(TARGET FIRST header...): FIRST is the target, or one of the same flags whose precompiled headers serve.
+function(scslam_precompile target first)
+  if(NOT SCSLAM_PCH)
+    return()
+  endif()
+  if(target STREQUAL first OR NOT TARGET ${first})
+    target_precompile_headers(${target} PRIVATE ${SCSLAM_COMMON_HEADERS} ${ARGN})
+  else()
+    target_precompile_headers(${target} REUSE_FROM ${first})
+  endif()
+endfunction()

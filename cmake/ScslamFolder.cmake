@@ -16,5 +16,6 @@ function(scslam_add_folder name)
   target_include_directories(scslam_${name} PRIVATE ${PROJECT_BINARY_DIR}/include)
   target_link_libraries(scslam_${name} PRIVATE scslam_options Eigen3::Eigen fmt::fmt mrpt::maps mrpt::graphs yaml-cpp
                         nlohmann_json::nlohmann_json ZLIB::ZLIB Threads::Threads ${ARG_PRIVATE})
+  scslam_precompile(scslam_${name} scslam_core)
   target_sources(scslam PRIVATE $<TARGET_OBJECTS:scslam_${name}>)
 endfunction()
