@@ -14,6 +14,7 @@ namespace scslam::detail {
 namespace {
 
 constexpr int kRounds = 8;
+constexpr int kTakeInIterations = 5;
 
 class GncSearch {
  public:
@@ -44,7 +45,7 @@ class GncSearch {
       const bool more = readmit(structure);
       if (!narrower && !more) break;
       structure = GraphStructure(graph_, used_);
-      if (more) restart(structure);
+      if (more) takeIn(structure);
     }
     finish();
     return result_;
@@ -68,6 +69,13 @@ class GncSearch {
   /// poses, what is new may be far from them.
   void restart(const GraphStructure& structure) {
     chooseStart(graph_, structure, "auto", {RobustKernel(KernelKind::kCauchy, result_.gate), mask()}, true);
+  }
+
+  /// What came back may be a lone loop after a long drift: far beyond the gate until the poses have followed it, so it
+  /// is solved with before it is judged again.
+  void takeIn(const GraphStructure& structure) {
+    restart(structure);
+    count(minimise(graph_, structure, {RobustKernel(), mask()}, {kTakeInIterations, 1e-3, 1e-12}));
   }
 
   /// What 99 % of the true loops lie within.

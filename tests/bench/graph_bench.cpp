@@ -1,124 +1,166 @@
-// Pose-graph optimisation against plain Ceres on the same machine, in the same run:
-//   graph_bench GRAPH.g2o …
-// Ours = start (the better of file, spanning tree, chordal) + optimisation. Plain Ceres = automatic derivatives,
-// SPARSE_NORMAL_CHOLESKY with SuiteSparse, Levenberg-Marquardt with default trust region, one thread, from the file's
-// own poses (from the spanning tree where the file has none). Both measure the same residual; best of several runs.
-#include <ceres/ceres.h>
+// The pose graph: graph_bench [GRAPH.g2o …], after two graphs made here (a road, a torus).
+//
+// batch:   ours = start (the best of file, spanning tree, chordal) + optimisation, against Ceres as we call it from the
+//          same start and plain Ceres (plain_ceres.h) from the file's poses, in the same run; the best of several.
+//          "of optimum" is the cost relative to the lowest that any of them found, from the truth too where it is
+//          known.
+// online:  pose by pose as a run would see them, an update after each.
+// robust:  --robust gnc with false loops added, alone and in groups of ten that agree with each other.
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
+#include <set>
 
+#include "made_graphs.h"
+#include "plain_ceres.h"
 #include "scslam/core/error.h"
-#include "scslam/graph/factor_error.h"
+#include "scslam/graph/false_loops.h"
 #include "scslam/graph/g2o.h"
+#include "scslam/graph/incremental_optimiser.h"
 #include "scslam/graph/optimiser.h"
+#include "scslam/graph/replay.h"
 
-namespace scslam {
+namespace scslam::bench {
 namespace {
 
-struct AutoDiffError {
-  Eigen::Vector3d t;
-  Eigen::Quaterniond q;
-  Matrix6d whitening;
+using Clock = std::chrono::steady_clock;
 
-  template <class T>
-  bool operator()(const T* t_i, const T* q_i, const T* t_j, const T* q_j, T* residuals) const {
-    using Vector3 = Eigen::Matrix<T, 3, 1>;
-    using Quaternion = Eigen::Quaternion<T>;
-    const Eigen::Map<const Vector3> a(t_i), b(t_j);
-    const Eigen::Map<const Quaternion> p(q_i), r(q_j);
-    const Quaternion z_inverse = q.conjugate().cast<T>();
-    Quaternion e = z_inverse * (p.conjugate() * r);
-    if (e.w() < T(0)) e.coeffs() = -e.coeffs();
-    Eigen::Matrix<T, 6, 1> error;
-    error.template head<3>() = z_inverse * (p.conjugate() * (b - a) - t.cast<T>());
-    const T angle_axis_scale =
-        e.vec().squaredNorm() > T(1e-18) ? T(2) * ceres::atan2(e.vec().norm(), e.w()) / e.vec().norm() : T(2);
-    error.template tail<3>() = angle_axis_scale * e.vec();
-    Eigen::Map<Eigen::Matrix<T, 6, 1>> out(residuals);
-    out = whitening.cast<T>() * error;
-    return true;
-  }
-};
+double millisecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
 
-double plainCeres(PoseGraph& graph) {
-  std::vector<Eigen::Vector3d> t;
-  std::vector<Eigen::Quaterniond> q;
-  for (const Pose& pose : graph.poses) t.push_back(pose.translation()), q.emplace_back(pose.linear());
-  ceres::Problem problem;
-  for (std::size_t v = 0; v < t.size(); ++v) {
-    problem.AddParameterBlock(t[v].data(), 3);
-    problem.AddParameterBlock(q[v].coeffs().data(), 4, new ceres::EigenQuaternionManifold);
-  }
-  for (const Factor& f : graph.factors) {
-    Matrix6d information = f.information;
-    if (graph.planar)  // the axes an SE(2) graph does not measure stay where they are
-      for (const int axis : {2, 3, 4})
-        information.row(axis).setZero(), information.col(axis).setZero(), information(axis, axis) = 1;
-    const Matrix6d whitening = information.llt().matrixU();
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<AutoDiffError, 6, 3, 4, 3, 4>(new AutoDiffError{
-                                 f.T_i_j.translation(), Eigen::Quaterniond(f.T_i_j.linear()), whitening}),
-                             nullptr, t[f.i].data(), q[f.i].coeffs().data(), t[f.j].data(), q[f.j].coeffs().data());
-  }
-  problem.SetParameterBlockConstant(t[0].data());
-  problem.SetParameterBlockConstant(q[0].coeffs().data());
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  options.max_num_iterations = 200;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  for (std::size_t v = 0; v < t.size(); ++v) {
-    graph.poses[v].translation() = t[v];
-    graph.poses[v].linear() = q[v].normalized().toRotationMatrix();
-  }
-  return graphChi2(graph);
+MadeGraph fromFile(const std::string& path) {
+  G2oFile file = readG2o(path);
+  if (!file.poses_known) placeAlongSpanningTree(file.graph);
+  return {std::filesystem::path(path).stem().string(), std::move(file.graph), {}};
+}
+
+OptimiserParams with(const std::string& robust, const std::string& solver = "auto") {
+  OptimiserParams params;
+  params.robust = robust;
+  params.solver = solver;
+  return params;
 }
 
 struct Timed {
   double best_ms = 1e300, chi2 = 0;
 };
 
+/// `solve` may change the copy of the graph that it gets. @return the best of up to five runs in about five seconds
 template <class Solve>
-Timed timed(const PoseGraph& graph, int runs, Solve solve) {
+Timed timed(const PoseGraph& graph, Solve solve) {
+  constexpr double kBudget_ms = 5000;
   Timed result;
-  for (int k = 0; k < runs; ++k) {
+  double spent_ms = 0;
+  for (int k = 0; k < 5 && spent_ms < kBudget_ms; ++k) {
     PoseGraph copy = graph;
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     result.chi2 = solve(copy);
-    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
-    result.best_ms = std::min(result.best_ms, elapsed.count());
+    const double elapsed_ms = millisecondsSince(begin);
+    result.best_ms = std::min(result.best_ms, elapsed_ms);
+    spent_ms += elapsed_ms;
   }
   return result;
 }
 
-void compare(const std::string& name) {
-  G2oFile file = readG2o(name);
-  if (!file.poses_known) placeAlongSpanningTree(file.graph);
+double optimumFromTruth(const MadeGraph& made) {
+  if (made.truth.empty()) return 1e300;
+  PoseGraph graph = made.graph;
+  graph.poses = made.truth;
+  OptimiserParams params;
+  params.init = "file";
+  return optimise(graph, params).chi2_final;
+}
+
+void printBatch(const MadeGraph& made) {
   OptimiserSummary summary;
-  const auto ours = timed(file.graph, 5, [&](PoseGraph& graph) {
+  const Timed ours = timed(made.graph, [&](PoseGraph& graph) {
     summary = optimise(graph);
     return summary.chi2_final;
   });
-  OptimiserParams with_ceres;
-  with_ceres.solver = "ceres";
-  const auto tuned = timed(file.graph, 3, [&](PoseGraph& graph) { return optimise(graph, with_ceres).chi2_final; });
-  const auto plain = timed(file.graph, 3, [](PoseGraph& graph) { return plainCeres(graph); });
-  const std::string base = std::filesystem::path(name).filename().string();
+  const Timed tuned =
+      timed(made.graph, [](PoseGraph& graph) { return optimise(graph, with("none", "ceres")).chi2_final; });
+  const Timed plain = timed(made.graph, [](PoseGraph& graph) { return plainCeres(graph); });
+  const double optimum = std::min({ours.chi2, tuned.chi2, plain.chi2, optimumFromTruth(made)});
+  fmt::print("{:<16} {:>6} {:>6} {:>14.8g}  {:<8} {:>3} ", made.name, made.graph.poses.size(),
+             made.graph.factors.size(), optimum, summary.start, summary.iterations);
+  for (const Timed& result : {ours, tuned, plain})
+    fmt::print(" {:>10.1f} ms {:>8.1e}", result.best_ms, result.chi2 / optimum - 1);
+  fmt::print(" {:>8.3f}\n", ours.best_ms / plain.best_ms);
+}
+
+double rmse(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += (a[k].translation() - b[k].translation()).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+void printOnline(const MadeGraph& made) {
+  IncrementalOptimiser optimiser(with("none"));
+  std::vector<double> updates_ms;
+  std::size_t solves = 0;
+  const PoseGraph online = replayGraph(made.graph, [&](PoseGraph& grown) {
+    const auto begin = Clock::now();
+    solves += optimiser.update(grown);
+    updates_ms.push_back(millisecondsSince(begin));
+  });
+  PoseGraph batch = online;
+  const double optimum = optimise(batch).chi2_final;
+  double total_ms = 0;
+  for (const double ms : updates_ms) total_ms += ms;
+  std::sort(updates_ms.begin(), updates_ms.end());
+  const auto quantile = [&](double q) { return updates_ms[static_cast<std::size_t>(q * (updates_ms.size() - 1))]; };
+  fmt::print("{:<16} {:>6} {:>8.3f} s {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} ms {:>9.1e} {:>9.1e} m\n", made.name, solves,
+             total_ms / 1e3, quantile(0.5), quantile(0.95), quantile(0.99), updates_ms.back(),
+             graphChi2(online) / optimum - 1, rmse(online.poses, batch.poses));
+}
+
+std::size_t loopsIn(const PoseGraph& graph) {
+  return static_cast<std::size_t>(std::count_if(graph.factors.begin(), graph.factors.end(),
+                                                [](const Factor& factor) { return factor.kind == FactorKind::kLoop; }));
+}
+
+void printRobust(const MadeGraph& made) {
+  PoseGraph clean = made.graph;
+  const double clean_chi2 = optimise(clean).chi2_final;
+  for (const std::size_t group : {1, 10})
+    for (const std::size_t count : {10, 50, 100, 200}) {
+      PoseGraph graph = clean;
+      const auto added = addFalseLoops(graph, {count, count, group});
+      graph.poses = made.graph.poses;
+      const auto begin = Clock::now();
+      const OptimiserSummary summary = optimise(graph, with("gnc"));
+      const double elapsed_ms = millisecondsSince(begin);
+      const std::set<std::uint32_t> rejected(summary.rejected_edges.begin(), summary.rejected_edges.end());
+      const auto caught = static_cast<std::size_t>(
+          std::count_if(added.begin(), added.end(), [&](std::uint32_t f) { return rejected.contains(f); }));
+      graph.factors.resize(clean.factors.size());
+      fmt::print("{:<16} {:>5} {:>5} {:>9} {:>6} of {:<6} {:>9.1e} {:>9.1e} m {:>8.1f} ms\n", made.name, added.size(),
+                 group, caught, rejected.size() - caught, loopsIn(clean), graphChi2(graph) / clean_chi2 - 1,
+                 rmse(graph.poses, clean.poses), elapsed_ms);
+    }
+}
+
+void printTables(const std::vector<MadeGraph>& graphs) {
   fmt::print(
-      "{:<30} ours {:8.1f} ms chi2 {:<12.8g} ({} from {}, {} it)  Ceres from our start {:8.1f} ms chi2 {:<12.8g}  "
-      "plain Ceres {:8.1f} ms chi2 {:<12.8g}  ratio {:.3f}\n",
-      base, ours.best_ms, ours.chi2, summary.converged ? "converged" : "stopped", summary.start, summary.iterations,
-      tuned.best_ms, tuned.chi2, plain.best_ms, plain.chi2, ours.best_ms / plain.best_ms);
+      "batch             poses  edges        optimum  start     it        ours, of optimum     Ceres, our start"
+      "          plain Ceres      ours/plain\n");
+  for (const MadeGraph& made : graphs) printBatch(made);
+  fmt::print("\nonline           solves      total   median      95 %     99 %    worst    of optimum   to batch\n");
+  for (const MadeGraph& made : graphs) printOnline(made);
+  fmt::print("\nrobust           false group  rejected   true rejected  of clean   to clean         time\n");
+  for (const MadeGraph& made : graphs) printRobust(made);
 }
 
 }  // namespace
-}  // namespace scslam
+}  // namespace scslam::bench
 
 int main(int argc, char** argv) {
   try {
-    for (int k = 1; k < argc; ++k) scslam::compare(argv[k]);
+    std::vector<scslam::bench::MadeGraph> graphs = {scslam::bench::roadGraph(), scslam::bench::torusGraph()};
+    for (int k = 1; k < argc; ++k) graphs.push_back(scslam::bench::fromFile(argv[k]));
+    scslam::bench::printTables(graphs);
   } catch (const scslam::Error& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return static_cast<int>(error.code());
