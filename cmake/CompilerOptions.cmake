@@ -38,7 +38,7 @@ if(SCSLAM_COVERAGE)
 endif()
 
 # Eigen, fmt and the standard library are most of what the compiler reads.
-set(SCSLAM_COMMON_HEADERS <algorithm> <filesystem> <functional> <map> <memory> <optional> <string> <vector> <Eigen/Core> <Eigen/Geometry>
+set(SCSLAM_COMMON_HEADERS <algorithm> <functional> <map> <memory> <optional> <string> <vector> <Eigen/Core> <Eigen/Geometry>
     <fmt/format.h>)
 # scslam_precompile(TARGET FIRST header...): FIRST is the target, or one of the same flags whose precompiled headers serve.
 function(scslam_precompile target first)
