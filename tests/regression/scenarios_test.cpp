@@ -107,16 +107,13 @@ TEST(Scenarios, NoticeABrokenPart) {
   const fs::path folder = freshFolder();
   ScenarioFigures figures;
   simulateInto(scenario, folder, figures);
-  const std::vector<std::vector<std::string>> breakages = {
-      {"place.scan_context.max_distance=0.001", "place.recognisers=[scan_context]"},
-      {"registration.gates.max_rmse_m=0.001"},
-      {"odometry.voxel_icp.voxel_m=8"},
-      {"preprocess.max_range_m=6"},
-      {"keyframe.distance_m=40"}};
-  for (const auto& breakage : breakages) {
-    mapIn(scenario, folder, breakage, figures);
-    std::cout << row(breakage.front(), {}, figures) << std::endl;
-    EXPECT_THAT(violations(scenario.expect, figures), ::testing::Not(::testing::IsEmpty())) << breakage.front();
+  for (const std::string breakage :
+       {"place.scan_context.max_distance=0.001", "registration.gates.max_rmse_m=0.001", "odometry.voxel_icp.voxel_m=8",
+        "preprocess.max_range_m=6", "keyframe.distance_m=40"}) {
+    // The other recognisers would stand in for a broken one; and a broken map is not worth a second look.
+    mapIn(scenario, folder, {breakage, "place.recognisers=[scan_context]", "place.look_again=false"}, figures);
+    std::cout << row(breakage, {}, figures) << std::endl;
+    EXPECT_THAT(violations(scenario.expect, figures), ::testing::Not(::testing::IsEmpty())) << breakage;
   }
   fs::remove_all(folder);
 }
