@@ -52,7 +52,8 @@ class ScanToMap : public Odometry {
   /// Brings what was seen at the points' own instants to the scan's stamp. Default: deskew().
   /// @param twist of the base during the sweep (deskew.h).
   virtual void compensate(Cloud& cloud, const Vector6d& twist) const;
-  /// Do sweeps take so long that the map's first one, taken before any velocity is known, must be compensated when it is?
+  /// Do sweeps take so long that the map's first one, taken before any velocity is known, must be compensated when it
+  /// is?
   virtual bool slowSweeps() const { return false; }
   /// What planar data says nothing of: one sigma of the step's height, roll and pitch.
   struct OffPlane {

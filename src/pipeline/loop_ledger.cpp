@@ -31,7 +31,8 @@ void LoopLedger::add(LoopRecord& record) {
 
 void LoopLedger::restore(const LoopRecord& record) {
   if (record.verified) {
-    entries_.push_back({candidates_, record.query, loopFactor(record, params_), record.reason == kRefused, record.reason});
+    entries_.push_back(
+        {candidates_, record.query, loopFactor(record, params_), record.reason == kRefused, record.reason});
     consistency_.addLoop(entries_.back().factor);
   }
   ++candidates_;
