@@ -2,6 +2,9 @@
 # library inside libscslam. Files are globbed: a new file is built with no edit here, and because the objects themselves
 # are linked (not a static library) its registration cannot be dropped.
 function(scslam_add_folder name)
+  if(SCSLAM_FOLDERS AND NOT name IN_LIST SCSLAM_FOLDERS)
+    return()
+  endif()
   cmake_parse_arguments(ARG "" "" "PLUGINS;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
   foreach(sub IN LISTS ARG_PLUGINS)

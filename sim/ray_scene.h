@@ -45,7 +45,10 @@ class RayScene {
   /// Origins and directions must be finite and time within 0 … 1: Debian's Embree aborts otherwise.
   void trace(RayPacket& rays, std::uint32_t active = 0xFFFF) const {
     alignas(64) int valid[16];
-    for (int i = 0; i < 16; ++i) valid[i] = (active >> i & 1U) != 0 ? -1 : 0;
+    for (int i = 0; i < 16; ++i) {
+      valid[i] = (active >> i & 1U) != 0 ? -1 : 0;
+      if (valid[i] == 0) blank(rays, i);
+    }
     intersect16(valid, scene_, rays);
   }
   /// One ray. @param time 0 … 1 between the instants of poseActors().
@@ -64,6 +67,16 @@ class RayScene {
   }
 
  private:
+  /// A ray without length. Where the processor has no vectors of 16, Embree looks at the rays of a packet that are not
+  /// valid, too, and aborts when there is garbage in them.
+  static void blank(RayPacket& rays, int i) {
+    rays.ray.org_x[i] = rays.ray.org_y[i] = rays.ray.org_z[i] = 0;
+    rays.ray.dir_x[i] = rays.ray.dir_y[i] = 0, rays.ray.dir_z[i] = 1;
+    rays.ray.tnear[i] = 0, rays.ray.tfar[i] = -1, rays.ray.time[i] = 0;
+    rays.ray.mask[i] = rays.ray.flags[i] = rays.ray.id[i] = 0;
+    rays.hit.geomID[i] = rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+
   const World& world_;
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;

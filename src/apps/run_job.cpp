@@ -1,8 +1,6 @@
 #include "scslam/apps/run_job.h"
 
 #include <dlfcn.h>
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +8,7 @@
 #include "scslam/apps/motion_scale.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
+#include "scslam/core/peak_memory.h"
 #include "scslam/core/progress.h"
 #include "scslam/pipeline/prefetch.h"
 #include "scslam/sensor/sensor_tables.h"
@@ -56,12 +55,6 @@ double percentile(std::vector<float> values, double share) {
   const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
   return values[k];
-}
-
-double peakRssMb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
 std::string metricsJson(const RunSummary& s, int threads) {
@@ -211,6 +204,8 @@ RunSummary runJob(const RunOptions& options, const PluginContext& context, ScanS
   summary.ms_per_scan_p95 = percentile(summary.times.scan_ms, 0.95);
   summary.metrics_json = metricsJson(summary, context.threads.size());
   session->writeMetrics(summary.metrics_json);
+  if (options.add) options.add(summary);
+  if (summary.end != SessionEnd::kStopped) session->seal();
   return summary;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct RunOptions {
   std::optional<std::size_t> max;  ///< take at most so many
   bool resume = false, overwrite = false, quiet = false;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: finish the present scan, flush, return
+  /// What is to be added to the finished session (pictures). A run killed before that is done makes it up when resumed.
+  std::function<void(const struct RunSummary&)> add;
 };
 
 struct RunSummary {

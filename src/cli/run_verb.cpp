@@ -86,6 +86,21 @@ void printTable(const RunSummary& s, const Session& session, const std::optional
   }
 }
 
+/// @return the accuracy, where there is a truth to measure it by.
+std::optional<Evaluation> addPictures(const Session& session, const std::optional<Trajectory>& ground_truth, Log& log) {
+  std::optional<Evaluation> evaluation;
+  if (ground_truth) {
+    try {
+      evaluation = evaluate(session, *ground_truth);
+    } catch (const Error& error) {
+      logWarn(log, "no accuracy figures: {}", error.what());
+    }
+  }
+  writeFileAtomically(session.folder() / "trajectory.svg", trajectorySvg(session, ground_truth));
+  writeFileAtomically(session.folder() / "map_top.png", topViewPng(session));
+  return evaluation;
+}
+
 int run(RunFlags flags, const GlobalOptions& global) {
   Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
   for (const auto& plugin : flags.plugins) loadPlugin(plugin);
@@ -110,23 +125,12 @@ int run(RunFlags flags, const GlobalOptions& global) {
   std::signal(SIGINT, requestStop);
   std::signal(SIGTERM, requestStop);
 
-  const RunSummary summary = runJob(job, context);
-  if (ground_truth)
-    ground_truth = inBaseFrame(*ground_truth, summary.T_base_reference);
-  else
-    ground_truth = summary.ground_truth;
-  const Session session = Session::open(summary.session);
   std::optional<Evaluation> evaluation;
-  if (ground_truth) {
-    try {
-      evaluation = evaluate(session, *ground_truth);
-    } catch (const Error& error) {
-      logWarn(log, "no accuracy figures: {}", error.what());
-    }
-  }
-  const auto picture = summary.session / "trajectory.svg";
-  writeFileAtomically(picture, trajectorySvg(session, ground_truth));
-  writeFileAtomically(summary.session / "map_top.png", topViewPng(session));
+  job.add = [&](const RunSummary& finished) {
+    ground_truth = ground_truth ? inBaseFrame(*ground_truth, finished.T_base_reference) : finished.ground_truth;
+    evaluation = addPictures(Session::open(finished.session), ground_truth, log);
+  };
+  const RunSummary summary = runJob(job, context);
   if (summary.end == SessionEnd::kEndedEarly)
     logWarn(log, "the input ended early: {}; everything before it is kept", summary.end_reason);
   if (summary.end == SessionEnd::kStopped)
@@ -134,9 +138,9 @@ int run(RunFlags flags, const GlobalOptions& global) {
   if (flags.json) {
     fmt::print("{}", summary.metrics_json);
   } else {
-    printTable(summary, session, evaluation);
-    fmt::print("pictures: {}, map_top.png\nsession: {}  (map: scslam export {} --format ply)\n", picture.string(),
-               summary.session.string(), summary.session.string());
+    printTable(summary, Session::open(summary.session), evaluation);
+    fmt::print("pictures: {}, map_top.png\nsession: {}  (map: scslam export {} --format ply)\n",
+               (summary.session / "trajectory.svg").string(), summary.session.string(), summary.session.string());
   }
   return exitCode(summary);
 }

@@ -212,7 +212,7 @@ void Slam::finish(SessionEnd end) {
   if (end != SessionEnd::kStopped && any) solveAll();  // a stopped run goes on from the online solution
   counts_.loops = ledger_.accepted();
   const StageTimer timer(times_, Stage::kSession);
-  session_.finish(graph(), end);
+  session_.finish(graph());
 }
 
 PoseGraph Slam::graph() const {

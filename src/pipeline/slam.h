@@ -21,6 +21,12 @@ struct SlamCounts {
               lost_scans = 0;  ///< no usable point; stamp not after the one before; odometry failed
 };
 
+enum class SessionEnd {
+  kDone,        ///< all of the input is in it
+  kEndedEarly,  ///< all that the damaged input gave
+  kStopped,     ///< by the user: whole as it is, and --resume can go on from its last checkpoint
+};
+
 class Slam {
  public:
   /// @param session where everything is recorded as it happens; outlives this.

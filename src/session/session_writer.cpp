@@ -64,8 +64,12 @@ class FolderWriter final : public SessionWriter {
     guarded([&] { log_.append(line + "\n"); });
   }
   void checkpoint(const std::string& pipeline_state) override;
-  void finish(const PoseGraph& graph, SessionEnd end) override;
+  void finish(const PoseGraph& graph) override;
   void writeMetrics(const std::string& json) override { writeFileAtomically(folder_ / layout::kMetrics, json); }
+  void seal() override {
+    std::error_code ignored;  // a checkpoint that cannot be removed does no harm
+    fs::remove(folder_ / layout::kCheckpoint, ignored);
+  }
   const fs::path& folder() const override { return folder_; }
 
  private:
@@ -168,7 +172,7 @@ void FolderWriter::checkpoint(const std::string& pipeline_state) {
   });
 }
 
-void FolderWriter::finish(const PoseGraph& graph, SessionEnd end) {
+void FolderWriter::finish(const PoseGraph& graph) {
   guarded([] {});
   if (graph.poses.size() != contents_.keyframes.size())
     throw Error(ExitCode::kBug,
@@ -183,8 +187,6 @@ void FolderWriter::finish(const PoseGraph& graph, SessionEnd end) {
     syncToDisk();
     writeTextFiles(folder_, info_, contents_, graph, true);
   });
-  std::error_code ignored;  // a checkpoint that cannot be removed does no harm
-  if (end != SessionEnd::kStopped) fs::remove(folder_ / layout::kCheckpoint, ignored);
 }
 
 /// The first line in which two configurations differ, for the message.

@@ -44,12 +44,6 @@ struct RecoveredSession {
   std::string pipeline_state;  ///< the blob given to checkpoint(); empty: no checkpoint yet, start from the beginning
 };
 
-enum class SessionEnd {
-  kDone,        ///< all of the input is in it
-  kEndedEarly,  ///< all that the damaged input gave
-  kStopped,     ///< by the user: whole as it is, and --resume can go on from its last checkpoint
-};
-
 /// A write that fails (disk full) throws an Error; the session then stands, resumable, and every later call repeats
 /// that error.
 class SessionWriter {
@@ -83,10 +77,13 @@ class SessionWriter {
   virtual void logLine(const std::string& line) = 0;
   /// From here a killed run goes on. Replaces checkpoint.bin atomically and brings the text files up to date.
   virtual void checkpoint(const std::string& pipeline_state) = 0;
-  /// Brings all files up to date, state: complete; checkpoint.bin stays only where the user stopped the run.
+  /// Brings all files up to date, state: complete.
   /// @param graph the final graph, nodes = keyframes, factors = odometry and accepted loops.
-  virtual void finish(const PoseGraph& graph, SessionEnd end) = 0;
+  virtual void finish(const PoseGraph& graph) = 0;
   virtual void writeMetrics(const std::string& json) = 0;
+  /// Nothing follows, pictures included: checkpoint.bin goes, there is nothing to resume. Not called where the user
+  /// stopped the run. A run killed before goes on from its last checkpoint and makes again what was to follow.
+  virtual void seal() = 0;
   virtual const std::filesystem::path& folder() const = 0;
 };
 

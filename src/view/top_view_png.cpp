@@ -11,7 +11,8 @@
 namespace scslam {
 namespace {
 
-constexpr Rgb kBackground = {13, 17, 23}, kTrack = {255, 255, 255}, kCasing = {13, 17, 23}, kStart = {87, 242, 135};
+constexpr Rgb kBackground = {13, 17, 23}, kTrack = {255, 255, 255}, kCasing = {13, 17, 23}, kStart = {87, 242, 135},
+              kMarked = {255, 40, 60};
 constexpr double kLongest = 3;  // longer side : shorter side, at most
 /// Low to high, even steps.
 constexpr std::array<Rgb, 6> kPalette = {
@@ -98,22 +99,20 @@ class TopView {
   }
 
   void addKeyframe(KeyframeId k) {
-    Cloud cloud;
-    Eigen::Vector3d origin;
-    if (!load(session_, k, cloud, origin)) return;
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const Eigen::Vector2d p = toPixel({cloud.x[i], cloud.y[i]});
-      if (p.x() < 0 || p.y() < 0 || p.x() >= width_ || p.y() >= height_) continue;
-      const std::size_t at =
-          static_cast<std::size_t>(p.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(p.x());
-      count_[at] += 1;
-      height_sum_[at] += cloud.z[i] - static_cast<float>(origin.z());
-    }
+    forEachPoint(session_, k, [this](std::size_t pixel, double height) {
+      count_[pixel] += 1;
+      height_sum_[pixel] += static_cast<float>(height);
+    });
+  }
+  void mark(const Session& session, KeyframeId k) {
+    marked_.resize(count_.size());
+    forEachPoint(session, k, [this](std::size_t pixel, double) { marked_[pixel] = true; });
   }
 
   std::string png() {
     Image image(width_, height_, kBackground);
     drawPoints(image);
+    drawMarked(image);
     drawTrack(image);
     drawScaleBar(image);
     return image.png();
@@ -122,6 +121,26 @@ class TopView {
  private:
   Eigen::Vector2d toPixel(const Eigen::Vector2d& p_map) const {
     return {(p_map.x() - extent_.min.x()) / pixel_m_, (extent_.max.y() - p_map.y()) / pixel_m_};
+  }
+
+  template <class Visit>
+  void forEachPoint(const Session& session, KeyframeId k, const Visit& visit) const {
+    Cloud cloud;
+    Eigen::Vector3d origin;
+    if (!load(session, k, cloud, origin)) return;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Eigen::Vector2d p = toPixel({cloud.x[i], cloud.y[i]});
+      if (p.x() < 0 || p.y() < 0 || p.x() >= width_ || p.y() >= height_) continue;
+      visit(static_cast<std::size_t>(p.y()) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(p.x()),
+            cloud.z[i] - origin.z());
+    }
+  }
+
+  void drawMarked(Image& image) const {
+    for (std::size_t at = 0; at < marked_.size(); ++at)
+      if (marked_[at])
+        image.blend(static_cast<int>(at % static_cast<std::size_t>(width_)),
+                    static_cast<int>(at / static_cast<std::size_t>(width_)), kMarked, 0.9F);
   }
 
   void drawPoints(Image& image) const {
@@ -173,6 +192,7 @@ class TopView {
   double pixel_m_ = 1;
   int width_ = 1, height_ = 1;
   std::vector<float> count_, height_sum_;
+  std::vector<bool> marked_;  ///< by pixel; empty: none
 };
 
 }  // namespace
@@ -182,6 +202,7 @@ std::string topViewPng(const Session& session, const TopViewOptions& options,
   TopView view(session, options);
   for (std::size_t k = 0; k < session.keyframes().size(); ++k) {
     view.addKeyframe(static_cast<KeyframeId>(k));
+    if (options.marked != nullptr) view.mark(*options.marked, static_cast<KeyframeId>(k));
     if (progress) progress(k + 1);
   }
   return view.png();

@@ -8,7 +8,8 @@
 namespace scslam {
 
 struct TopViewOptions {
-  int max_pixels = 1600;  ///< longest side
+  int max_pixels = 1600;            ///< longest side
+  const Session* marked = nullptr;  ///< of the same keyframes: its points are drawn over the others in red
 };
 
 /// All points of all keyframes from above: colour = height over the sensor, brightness = logarithm of their number; the

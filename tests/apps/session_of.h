@@ -48,7 +48,7 @@ inline Session sessionOf(const std::filesystem::path& folder, const SessionParts
     keyframes.push_back(keyframe);
   }
   for (const LoopRecord& loop : parts.loops) writer->addLoop(loop);
-  writer->finish(buildGraph(keyframes, parts.loops, parts.optimised, parts.planar), SessionEnd::kDone);
+  writer->finish(buildGraph(keyframes, parts.loops, parts.optimised, parts.planar));
   return Session::open(folder);
 }
 

@@ -205,8 +205,8 @@ TEST(Crash, AfterAFailedWriteEveryCallRepeatsThatError) {
   }
   PoseGraph three_poses;
   three_poses.poses.resize(3, Pose::Identity());
-  for (const auto& call : std::vector<std::function<void()>>{[&] { writer->addScan({}); },
-                                                             [&] { writer->finish(three_poses, SessionEnd::kDone); }}) {
+  for (const auto& call :
+       std::vector<std::function<void()>>{[&] { writer->addScan({}); }, [&] { writer->finish(three_poses); }}) {
     try {
       call();
       FAIL() << "no error";

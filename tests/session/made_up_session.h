@@ -70,7 +70,8 @@ struct MadeUpSession {
       }
     }
     writer.writeMetrics("{}\n");
-    writer.finish(buildGraph(keyframes, loops, poses, false), SessionEnd::kDone);
+    writer.finish(buildGraph(keyframes, loops, poses, false));
+    writer.seal();
   }
   void tellAll(
       SessionWriter& writer, const std::function<void()>& after = [] {}) const {

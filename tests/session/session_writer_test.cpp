@@ -213,7 +213,7 @@ TEST(SessionWriter, SecondWriterIsKeptOff) {
 
 TEST(SessionWriter, EmptySessionIsASession) {
   const fs::path folder = memoryFolder() / "s";
-  SessionWriter::create(folder, MadeUpSession().info, false)->finish({}, SessionEnd::kDone);
+  SessionWriter::create(folder, MadeUpSession().info, false)->finish({});
   const Session session = Session::open(folder);
   EXPECT_TRUE(session.complete());
   EXPECT_TRUE(session.trajectory().empty());

@@ -1,7 +1,5 @@
 #include "scslam/apps/merge/merge.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -10,8 +8,10 @@
 #include "scslam/apps/alignment.h"
 #include "scslam/apps/merge/merge_truth.h"
 #include "scslam/apps/merge/write_merged.h"
+#include "scslam/apps/partial_folder.h"
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
+#include "scslam/core/peak_memory.h"
 #include "scslam/core/progress.h"
 #include "scslam/session/manifest.h"
 
@@ -249,12 +249,6 @@ SessionInfo infoOf(SessionInfo info, const std::vector<SavedMap>& maps, const st
   return info;
 }
 
-double peakRssMb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
 /// A loop that was judged false by its pair counts for nothing in the result.
 void dropLoopsOfRefusedPairs(std::vector<SessionPair>& pairs) {
   for (SessionPair& pair : pairs) {
@@ -269,7 +263,7 @@ void dropLoopsOfRefusedPairs(std::vector<SessionPair>& pairs) {
 MergeSummary mergeSessions(const MergeOptions& options, const PluginContext& context) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<Input> inputs = openInputs(options);
-  PartialFolder partial(options.output, options.sessions, options.overwrite);
+  PartialFolder partial(options.output, options.sessions, sessionResult(), options.overwrite);
   const SessionInfo reference = longestOf(inputs).info();
   const MergeConfig config = resolveConfig(options, longestOf(inputs), context);
   const Pose T_base_sensor = reference.T_base_sensor;

@@ -172,51 +172,9 @@ void writeMerged(const fs::path& folder, const SessionInfo& info, const std::vec
   for (const SessionPair& pair : pairs)
     if (member(pair.a) && member(pair.b)) merged.writeLoops(pair.loops->records(), pair.a, pair.b);
   writer->setPoses(joined.graph.poses);
-  writer->finish(joined.graph, SessionEnd::kDone);
+  writer->finish(joined.graph);
   writer->writeMetrics(metrics());
   writeTables(folder, maps, names, joined, merged.places(), info.T_base_sensor);
-}
-
-PartialFolder::PartialFolder(fs::path target, const std::vector<fs::path>& inputs, bool overwrite)
-    : target_(fs::absolute(std::move(target)).lexically_normal()) {
-  if (!target_.has_filename()) target_ = target_.parent_path();
-  partial_ = target_.string() + ".partial";
-  std::error_code error;
-  for (const fs::path& input : inputs)
-    if (fs::equivalent(input, target_, error))
-      throw usageError("{} is one of the sessions to be merged; give another folder with -o", target_.string());
-  if (fs::exists(target_) && !fs::is_directory(target_))
-    throw usageError("{} is a file; give another folder with -o", target_.string());
-  if (fs::exists(target_) && !fs::is_empty(target_)) {
-    if (!fs::is_regular_file(target_ / layout::kManifest))
-      throw usageError("{} holds files but no session; give another folder with -o", target_.string());
-    if (!overwrite) throw usageError("{} already holds a session; -w replaces it", target_.string());
-    const std::vector<std::string> names = layout::allNames();
-    for (const auto& entry : fs::directory_iterator(target_))
-      if (std::find(names.begin(), names.end(), entry.path().filename().string()) == names.end())
-        throw usageError("{} is not of the session there; give another folder with -o", entry.path().string());
-  }
-  fs::remove_all(partial_, error);  // of a merge that was killed
-  fs::create_directories(partial_, error);
-  if (error) throw inputError("cannot make folder {}: {}", partial_.string(), error.message());
-}
-
-PartialFolder::~PartialFolder() {
-  std::error_code ignored;
-  fs::remove_all(partial_, ignored);
-}
-
-void PartialFolder::replaceTarget() {
-  std::error_code error;
-  const fs::path old = target_.string() + ".replaced";
-  if (fs::exists(target_)) {
-    fs::remove_all(old, error);
-    fs::rename(target_, old, error);
-    if (error) throw inputError("cannot replace {}: {}", target_.string(), error.message());
-  }
-  fs::rename(partial_, target_, error);
-  if (error) throw inputError("cannot make {}: {}", target_.string(), error.message());
-  fs::remove_all(old, error);
 }
 
 }  // namespace scslam

@@ -26,21 +26,4 @@ void writeMerged(const std::filesystem::path& folder, const SessionInfo& info, c
                  const SessionUnion& joined, const std::vector<std::vector<Descriptor>>& descriptors,
                  const std::function<std::string()>& metrics, const std::function<void()>& tick);
 
-/// A sibling of the folder that is to be made; what is in it is removed unless it takes that folder's place.
-class PartialFolder {
- public:
-  /// @param overwrite a session may stand at `target`; it stands until replace().
-  /// @throw usageError when something else stands there or it may not be replaced.
-  PartialFolder(std::filesystem::path target, const std::vector<std::filesystem::path>& inputs, bool overwrite);
-  ~PartialFolder();
-  PartialFolder(const PartialFolder&) = delete;
-  PartialFolder& operator=(const PartialFolder&) = delete;
-  const std::filesystem::path& folder() const { return partial_; }
-  /// Moves it to where it belongs.
-  void replaceTarget();
-
- private:
-  std::filesystem::path target_, partial_;
-};
-
 }  // namespace scslam

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <map>
 
-#include "radar_fixtures.h"
 #include "scslam/sensor/radar_extractor.h"
+#include "sensor/radar_fixtures.h"
 #include "sim/radar_fixtures.h"
 
 namespace scslam {

@@ -1,0 +1,54 @@
+// The scans that can testify about another one, made ready and kept within a budget of memory.
+#pragma once
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "scslam/apps/clean/ground_cells.h"
+#include "scslam/apps/clean/sight_image.h"
+#include "scslam/apps/saved_map.h"
+
+namespace scslam {
+
+/// What is kept of a scan that testifies.
+struct View {
+  Pose T_map_sensor;
+  SightImage image;
+  std::vector<LowPoint> low_points;
+};
+
+class Views {
+ public:
+  /// @param map outlives this. @param reach_m, most see CleanParams. @param budget_bytes of views kept between batches.
+  Views(const SavedMap& map, double reach_m, std::size_t most, std::size_t budget_bytes);
+
+  /// Keyframes whose scans testify about keyframe k: of those within reach, evenly spread over time. Increasing.
+  std::vector<KeyframeId> around(KeyframeId k) const;
+  /// Makes all that are needed for the keyframes begin .. end and forgets the ones used longest ago beyond the budget.
+  void prepare(KeyframeId begin, KeyframeId end, const PluginContext& context);
+  /// A prepared one.
+  const View& at(KeyframeId k) const { return *views_.at(k).view; }
+
+  const SightGrid& grid() const { return grid_; }
+  Pose T_map_sensor(KeyframeId k) const { return map_.poses()[k] * T_base_sensor_; }
+
+ private:
+  struct Kept {
+    std::unique_ptr<View> view;
+    KeyframeId last_use = 0;
+  };
+  View make(KeyframeId k) const;
+  void forget();
+
+  const SavedMap& map_;
+  Pose T_base_sensor_;
+  double reach_m_;
+  std::size_t most_, budget_bytes_;
+  SightGrid grid_;
+  std::map<KeyframeId, Kept> views_;
+};
+
+/// Scan of keyframe k as the session has it, frame sensor.
+Cloud scanOf(const SavedMap& map, KeyframeId k);
+
+}  // namespace scslam
