@@ -98,8 +98,8 @@ class Judge {
     result_.reverted += !goes && say == Say::kMoved;
   }
 
-  /// Wheels and feet: what lies low goes where something above it went (views cannot tell it from the ground behind it);
-  /// the ground itself only where they say that it moved.
+  /// Wheels and feet: what lies low goes where something above it went (views cannot tell it from the ground behind
+  /// it); the ground itself only where they say that it moved.
   void belowObjects(const Pose& T_level_sensor) {
     constexpr double kFoot_m = 0.25;
     const auto footOf = [&](std::size_t i) {
