@@ -63,7 +63,7 @@ Verb cleanVerb() {
             app.add_option("-c,--config", flags->options.configs,
                            "configuration over the session's own: file or shipped name");
             app.add_option("--set", flags->options.sets,
-                           "one parameter: section.key=value (clean.max_views=24; --dump shows the section clean)");
+                           "one parameter: section.key=value (clean.later_views=24; --dump shows the section clean)");
             app.add_option("--labels", flags->options.labels,
                            "folder of the true labels of all scans (NNNNNN.label, uint32 per point), for the scores");
             app.add_option("--label-style", flags->label_style,

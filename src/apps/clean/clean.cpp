@@ -19,7 +19,8 @@ namespace scslam {
 namespace fs = std::filesystem;
 
 void CleanParams::describe(ParamVisitor& v) {
-  v.field("max_views", max_views, "scans that a scan is held against at most, evenly spread over the time", 1, 255);
+  v.field("soon_views", soon_views, "scans just before and after that a scan is held against", 2, 120);
+  v.field("later_views", later_views, "and others at most, evenly spread over the time", 0, 120);
   v.field("reach_m", reach_m, "how far from it they may have been taken [m]", 0, 1e4);
   v.field("margin_m", margin_m, "a point this much nearer than all that a scan saw there was looked through [m]", 0.01,
           10);
@@ -40,8 +41,8 @@ void CleanParams::describe(ParamVisitor& v) {
 
 namespace {
 
-constexpr std::size_t kBatch = 8;         ///< keyframes judged side by side
-constexpr std::size_t kGroundScans = 16;  ///< of the views around a scan that say where its ground is
+constexpr std::size_t kBatch = 8;        ///< keyframes judged side by side
+constexpr std::size_t kGroundScans = 8;  ///< of the views soon and later that say where the ground is
 constexpr const char* kReport = "clean.json";
 
 /// A scan taken apart.
@@ -70,8 +71,7 @@ class Cleaner {
       : map_(map),
         params_(config.clean),
         context_(context),
-        views_(map, params_.reach_m, static_cast<std::size_t>(params_.max_views),
-               static_cast<std::size_t>(params_.cache_mb * 1e6)),
+        views_(map, params_),
         static_(map, folder / "static", config.slam.place, context),
         dynamic_(map, folder / "dynamic", config.slam.place, context) {}
 
@@ -108,16 +108,20 @@ class Cleaner {
     const Cloud cloud = scanOf(map_, k);
     const Pose T_map_sensor = views_.T_map_sensor(k);
     const Cloud cloud_map = transformed(cloud, T_map_sensor);
-    const std::vector<KeyframeId> around = views_.around(k);
-    parted.viewed = !around.empty();
+    const Views::Around around = views_.around(k);
+    parted.viewed = !around.soon.empty() || !around.later.empty();
     const SightMargins margins{static_cast<float>(params_.margin_m), static_cast<float>(params_.margin_per_m), 1,
                                static_cast<float>(params_.sky_m)};
-    SightVotes votes(cloud.size());
-    for (const KeyframeId other : around) {
-      const View& view = views_.at(other);
-      view.image.vote(cloud, view.T_map_sensor.inverse() * T_map_sensor, views_.grid(), margins, votes);
-    }
-    parted.verdict = judgeScan(cloud, heights(k, cloud_map, around), votes, T_map_sensor, params_);
+    const auto votesOf = [&](const std::vector<KeyframeId>& keyframes) {
+      SightVotes votes(cloud.size());
+      for (const KeyframeId other : keyframes) {
+        const View& view = views_.at(other);
+        view.image.vote(cloud, view.T_map_sensor.inverse() * T_map_sensor, views_.grid(), margins, votes);
+      }
+      return votes;
+    };
+    parted.verdict = judgeScan(cloud, heights(k, cloud_map, around), votesOf(around.soon), votesOf(around.later),
+                               T_map_sensor, params_);
     const std::vector<std::uint8_t>& goes = parted.verdict.dynamic;
     std::vector<std::uint8_t> stays(goes.size());
     for (std::size_t i = 0; i < goes.size(); ++i) stays[i] = goes[i] == 0 ? 1 : 0;
@@ -130,12 +134,14 @@ class Cleaner {
   }
 
   /// Of each point over the ground that the scan and those around it saw; infinite for planar scans.
-  std::vector<float> heights(KeyframeId k, const Cloud& cloud_map, const std::vector<KeyframeId>& around) const {
+  std::vector<float> heights(KeyframeId k, const Cloud& cloud_map, const Views::Around& around) const {
     std::vector<float> heights(cloud_map.size(), std::numeric_limits<float>::infinity());
     if (views_.grid().planar) return heights;
     std::vector<const std::vector<LowPoint>*> low = {&views_.at(k).low_points};
-    const std::size_t step = std::max<std::size_t>(1, around.size() / kGroundScans);
-    for (std::size_t i = 0; i < around.size(); i += step) low.push_back(&views_.at(around[i]).low_points);
+    for (const std::vector<KeyframeId>* views : {&around.soon, &around.later}) {
+      const std::size_t step = std::max<std::size_t>(1, views->size() / kGroundScans);
+      for (std::size_t i = 0; i < views->size(); i += step) low.push_back(&views_.at((*views)[i]).low_points);
+    }
     const GroundCells ground(low);
     for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = ground.heightOf(cloud_map.point(i));
     return heights;
@@ -171,7 +177,7 @@ CleanSummary cleanSession(const CleanOptions& options, const PluginContext& cont
   Session session = Session::open(options.session);
   CleanConfig config;
   loadSessionConfig(config.slam, session, context);
-  for (const auto& file : options.configs) loadConfig(config.slam, file);
+  for (const auto& file : options.configs) loadConfig(config, file);
   for (const auto& assignment : options.sets) setParam(config, assignment);
   std::optional<TrueLabels> labels;
   if (!options.labels.empty()) labels.emplace(options.labels, options.label_style);

@@ -1,7 +1,7 @@
 // Moving objects removed from a saved session: `scslam clean`.
 //
-// A point that other scans looked through was not there when they were taken. Every scan is held against up to
-// max_views others around it (range-image visibility, signed, with occlusion: G. Kim and A. Kim, "Remove, then Revert:
+// A point that other scans looked through was not there when they were taken. Every scan is held against others
+// around it (range-image visibility, signed, with occlusion: G. Kim and A. Kim, "Remove, then Revert:
 // Static Point cloud Map Construction using Multiresolution Range Images", IROS 2020), each as fine as its sensor is.
 // Beams that came back from nowhere testify as well. What the views refuse point by point is then judged thing by
 // thing: things that mostly moved go whole, single refused points are reverted, the ground is only taken where it
@@ -18,7 +18,7 @@
 namespace scslam {
 
 struct CleanParams : ParamSetOf<CleanParams> {
-  int max_views = 48;
+  int soon_views = 16, later_views = 32;
   double reach_m = 60;
   double margin_m = 0.25, margin_per_m = 0.01, sky_m = 40;
   int min_free = 2;

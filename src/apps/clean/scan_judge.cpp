@@ -17,23 +17,28 @@ struct Tally {
   double share() const { return moved == 0 ? 0 : static_cast<double>(moved) / static_cast<double>(moved + stood); }
 };
 
-std::vector<Say> whatViewsSay(const SightVotes& votes, const CleanParams& params) {
-  std::vector<Say> says(votes.free.size(), Say::kNothing);
+/// A point moved when most scans around it in time looked through it, whatever came there later; or most of all scans.
+std::vector<Say> whatViewsSay(const SightVotes& soon, const SightVotes& later, const CleanParams& params) {
+  std::vector<Say> says(soon.free.size(), Say::kNothing);
+  const auto moved = [&params](int free, int surface) {
+    return free >= params.min_free && free > params.free_share * (free + surface);
+  };
   for (std::size_t i = 0; i < says.size(); ++i) {
-    const int free = votes.free[i], surface = votes.surface[i];
-    const bool moved = free >= params.min_free && free > params.free_share * (free + surface);
-    says[i] = moved ? Say::kMoved : surface > 0 ? Say::kStood : Say::kNothing;
+    const int free = soon.free[i] + later.free[i], surface = soon.surface[i] + later.surface[i];
+    says[i] = moved(soon.free[i], soon.surface[i]) || moved(free, surface) ? Say::kMoved
+              : surface > 0                                                ? Say::kStood
+                                                                           : Say::kNothing;
   }
   return says;
 }
 
 class Judge {
  public:
-  Judge(const Cloud& cloud, const std::vector<float>& height, const SightVotes& votes, const CleanParams& params)
+  Judge(const Cloud& cloud, const std::vector<float>& height, std::vector<Say> says, const CleanParams& params)
       : cloud_(cloud),
         height_(height),
         params_(params),
-        says_(whatViewsSay(votes, params)),
+        says_(std::move(says)),
         upright_(cloud.size()),
         result_{std::vector<std::uint8_t>(cloud.size()), 0, 0, 0} {
     for (std::size_t i = 0; i < cloud.size(); ++i) upright_[i] = height[i] >= params.object_height_m ? 1 : 0;
@@ -133,9 +138,9 @@ class Judge {
 
 }  // namespace
 
-ScanVerdict judgeScan(const Cloud& cloud_sensor, const std::vector<float>& height, const SightVotes& votes,
-                      const Pose& T_level_sensor, const CleanParams& params) {
-  return Judge(cloud_sensor, height, votes, params)(T_level_sensor);
+ScanVerdict judgeScan(const Cloud& cloud_sensor, const std::vector<float>& height, const SightVotes& soon,
+                      const SightVotes& later, const Pose& T_level_sensor, const CleanParams& params) {
+  return Judge(cloud_sensor, height, whatViewsSay(soon, later, params), params)(T_level_sensor);
 }
 
 }  // namespace scslam

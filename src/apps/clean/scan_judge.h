@@ -15,9 +15,9 @@ struct ScanVerdict {
   std::size_t completed = 0;          ///< points removed as part of an object that moves, without a vote of their own
 };
 
-/// @param T_level_sensor to a frame whose z points up. @param height of each point over the ground [m]; infinite where
-/// it is not known.
-ScanVerdict judgeScan(const Cloud& cloud_sensor, const std::vector<float>& height, const SightVotes& votes,
-                      const Pose& T_level_sensor, const CleanParams& params);
+/// @param soon, later votes of the scans just before and after, and of others. @param T_level_sensor to a frame whose z
+/// points up. @param height of each point over the ground [m]; infinite where it is not known.
+ScanVerdict judgeScan(const Cloud& cloud_sensor, const std::vector<float>& height, const SightVotes& soon,
+                      const SightVotes& later, const Pose& T_level_sensor, const CleanParams& params);
 
 }  // namespace scslam

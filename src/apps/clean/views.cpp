@@ -16,27 +16,28 @@ constexpr std::size_t kSamples = 24;
 
 Cloud scanOf(const SavedMap& map, KeyframeId k) { return map.session().cloud(map.ownNumber(k)); }
 
-Views::Views(const SavedMap& map, double reach_m, std::size_t most, std::size_t budget_bytes)
-    : map_(map),
-      T_base_sensor_(map.session().info().T_base_sensor),
-      reach_m_(reach_m),
-      most_(most),
-      budget_bytes_(budget_bytes) {
+Views::Views(const SavedMap& map, const CleanParams& params)
+    : map_(map), T_base_sensor_(map.session().info().T_base_sensor), params_(params) {
   std::vector<Cloud> samples;
   const std::size_t n = map.keyframes().size(), step = std::max<std::size_t>(1, n / kSamples);
   for (std::size_t k = 0; k < n; k += step) samples.push_back(scanOf(map, static_cast<KeyframeId>(k)));
   grid_ = sightGridOf(samples, map.session().info().planar);
 }
 
-std::vector<KeyframeId> Views::around(KeyframeId k) const {
-  std::vector<KeyframeId> near;
+Views::Around Views::around(KeyframeId k) const {
+  Around around;
+  const auto soon = static_cast<KeyframeId>(params_.soon_views / 2);
   const Eigen::Vector3d here = map_.poses()[k].translation();
-  for (KeyframeId other = 0; other < map_.keyframes().size(); ++other)
-    if (other != k && (map_.poses()[other].translation() - here).norm() <= reach_m_) near.push_back(other);
-  if (near.size() <= most_) return near;
+  for (KeyframeId other = 0; other < map_.keyframes().size(); ++other) {
+    if (other == k || (map_.poses()[other].translation() - here).norm() > params_.reach_m) continue;
+    (std::max(k, other) - std::min(k, other) <= soon ? around.soon : around.later).push_back(other);
+  }
+  const auto most = static_cast<std::size_t>(params_.later_views);
+  if (around.later.size() <= most) return around;
   std::vector<KeyframeId> spread;
-  for (std::size_t i = 0; i < most_; ++i) spread.push_back(near[i * near.size() / most_]);
-  return spread;
+  for (std::size_t i = 0; i < most; ++i) spread.push_back(around.later[i * around.later.size() / most]);
+  around.later = std::move(spread);
+  return around;
 }
 
 View Views::make(KeyframeId k) const {
@@ -49,7 +50,9 @@ void Views::prepare(KeyframeId begin, KeyframeId end, const PluginContext& conte
   std::set<KeyframeId> needed;
   for (KeyframeId k = begin; k < end; ++k) {
     needed.insert(k);
-    for (const KeyframeId other : around(k)) needed.insert(other);
+    const Around views = around(k);
+    needed.insert(views.soon.begin(), views.soon.end());
+    needed.insert(views.later.begin(), views.later.end());
   }
   std::vector<KeyframeId> missing;
   for (const KeyframeId k : needed) {
@@ -64,6 +67,7 @@ void Views::prepare(KeyframeId begin, KeyframeId end, const PluginContext& conte
 }
 
 void Views::forget() {
+  const double budget_bytes = params_.cache_mb * 1e6;
   std::size_t bytes = 0;
   KeyframeId newest = 0;
   std::vector<std::pair<KeyframeId, KeyframeId>> by_use;
@@ -74,7 +78,7 @@ void Views::forget() {
   }
   std::sort(by_use.begin(), by_use.end());
   for (const auto& [last_use, k] : by_use) {
-    if (bytes <= budget_bytes_ || last_use == newest) return;
+    if (static_cast<double>(bytes) <= budget_bytes || last_use == newest) return;
     const View& view = *views_.at(k).view;
     bytes -= view.image.bytes() + view.low_points.size() * sizeof(LowPoint);
     views_.erase(k);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "scslam/apps/clean/clean.h"
 #include "scslam/apps/clean/ground_cells.h"
 #include "scslam/apps/clean/sight_image.h"
 #include "scslam/apps/saved_map.h"
@@ -19,11 +20,15 @@ struct View {
 
 class Views {
  public:
-  /// @param map outlives this. @param reach_m, most see CleanParams. @param budget_bytes of views kept between batches.
-  Views(const SavedMap& map, double reach_m, std::size_t most, std::size_t budget_bytes);
+  /// @param map, params outlive this.
+  Views(const SavedMap& map, const CleanParams& params);
 
-  /// Keyframes whose scans testify about keyframe k: of those within reach, evenly spread over time. Increasing.
-  std::vector<KeyframeId> around(KeyframeId k) const;
+  /// Keyframes whose scans testify about keyframe k, of those within reach, increasing.
+  struct Around {
+    std::vector<KeyframeId> soon;   ///< taken just before and after it
+    std::vector<KeyframeId> later;  ///< of the others, evenly spread over time
+  };
+  Around around(KeyframeId k) const;
   /// Makes all that are needed for the keyframes begin .. end and forgets the ones used longest ago beyond the budget.
   void prepare(KeyframeId begin, KeyframeId end, const PluginContext& context);
   /// A prepared one.
@@ -42,8 +47,7 @@ class Views {
 
   const SavedMap& map_;
   Pose T_base_sensor_;
-  double reach_m_;
-  std::size_t most_, budget_bytes_;
+  const CleanParams& params_;
   SightGrid grid_;
   std::map<KeyframeId, Kept> views_;
 };

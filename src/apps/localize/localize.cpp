@@ -143,7 +143,7 @@ LocalizeConfig resolveConfig(const LocalizeOptions& options, const Session& sess
   loadSessionConfig(config.slam, session, context);
   if (config.slam.odometry.frontend.name == "poses")
     config.slam.odometry.frontend.name = OdometryParams().frontend.name;
-  for (const auto& file : options.configs) loadConfig(config.slam, file);
+  for (const auto& file : options.configs) loadConfig(config, file);
   for (const auto& assignment : options.sets) setParam(config, assignment);
   return config;
 }

@@ -98,7 +98,7 @@ MergeConfig resolveConfig(const MergeOptions& options, const Session& reference,
   MergeConfig config;
   if (reference.info().config_yaml.empty() && reference.info().planar) loadConfig(config.slam, "laser2d");
   loadSessionConfig(config.slam, reference, context);
-  for (const auto& file : options.configs) loadConfig(config.slam, file);
+  for (const auto& file : options.configs) loadConfig(config, file);
   for (const auto& assignment : options.sets) setParam(config, assignment);
   return config;
 }
