@@ -13,6 +13,7 @@ namespace {
 struct ExportFlags {
   std::string session, output;
   std::vector<std::string> formats;
+  std::string frame = "map";
   double voxel_m = -1, min_range_m = 0, max_range_m = 1e9;
   int threads = 0;
 };
@@ -43,6 +44,9 @@ int run(const ExportFlags& flags, const GlobalOptions& global) {
   if (flags.voxel_m >= 0) options.voxel_m = flags.voxel_m;
   options.min_range_m = flags.min_range_m;
   options.max_range_m = flags.max_range_m;
+  options.frame = flags.frame == "utm"   ? MapFrameKind::kUtm
+                  : flags.frame == "enu" ? MapFrameKind::kEnu
+                                         : MapFrameKind::kMap;
   const std::filesystem::path folder =
       flags.output.empty() ? session.folder() / "map" : std::filesystem::path(flags.output);
   Progress progress("keyframes", session.keyframes().size(), global.quiet);
@@ -73,6 +77,10 @@ Verb exportVerb() {
             app.add_option("--voxel", flags->voxel_m,
                            "edge of the voxels that keep one point each [m] (default: 0.1, octomap 0.2; 0: all points)")
                 ->check(CLI::Range(0.0, 1000.0));
+            app.add_option(
+                   "--frame", flags->frame,
+                   "map, enu or utm: on Earth where the session has satellite fixes; georeference.yaml says how")
+                ->check(CLI::IsMember({"map", "enu", "utm"}));
             app.add_option("--min-range", flags->min_range_m, "leave out points nearer than this [m]");
             app.add_option("--max-range", flags->max_range_m, "leave out points further than this [m]");
             app.add_option("-o,--output", flags->output, "folder (default: SESSION/map)");

@@ -33,6 +33,7 @@ Verb infoVerb();
 Verb listVerb();
 Verb configVerb();
 Verb doctorVerb();
+Verb changesVerb();
 Verb cleanVerb();
 Verb mergeVerb();
 Verb localizeVerb();

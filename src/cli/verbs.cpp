@@ -3,9 +3,10 @@
 namespace scslam::cli {
 
 const std::vector<Verb>& verbs() {
-  static const std::vector<Verb> all = {runVerb(),    evalVerb(),  placesVerb(),   compareVerb(), optimizeVerb(),
-                                        exportVerb(), infoVerb(),  listVerb(),     configVerb(),  doctorVerb(),
-                                        cleanVerb(),  mergeVerb(), localizeVerb(), simVerb(),     realismVerb()};
+  static const std::vector<Verb> all = {runVerb(),      evalVerb(),     placesVerb(), compareVerb(),
+                                        optimizeVerb(), exportVerb(),   infoVerb(),   listVerb(),
+                                        configVerb(),   doctorVerb(),   cleanVerb(),  mergeVerb(),
+                                        changesVerb(),  localizeVerb(), simVerb(),    realismVerb()};
   return all;
 }
 

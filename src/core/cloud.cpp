@@ -58,7 +58,9 @@ void Cloud::filter(const std::vector<std::uint8_t>& keep) {
   });
 }
 
-void transformInPlace(Cloud& cloud, const Pose& T_a_b) {
+void transformInPlace(Cloud& cloud, const Pose& T_a_b) { transformInPlace(cloud, Eigen::Affine3d(T_a_b)); }
+
+void transformInPlace(Cloud& cloud, const Eigen::Affine3d& T_a_b) {
   float R[9], t[3];
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) R[3 * r + c] = static_cast<float>(T_a_b.linear()(r, c));

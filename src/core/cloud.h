@@ -34,6 +34,8 @@ struct Cloud {
 /// `cloud` with its coordinates mapped by T_a_b (from frame b to frame a); the other fields are copied.
 Cloud transformed(const Cloud& cloud_b, const Pose& T_a_b);
 void transformInPlace(Cloud& cloud, const Pose& T_a_b);
+/// The same where the frames differ in scale, too.
+void transformInPlace(Cloud& cloud, const Eigen::Affine3d& A_a_b);
 /// Drops points with a NaN or infinite coordinate. @return how many were dropped.
 std::size_t dropNonFinite(Cloud& cloud);
 

@@ -30,10 +30,10 @@ Eigen::Vector3d LocalEnu::fromGeodetic(const Geodetic& g) const {
   return enu;
 }
 
-Utm toUtm(const Geodetic& g) {
+Utm toUtm(const Geodetic& g, int zone) {
   Utm utm;
   GeographicLib::UTMUPS::Forward(g.latitude_deg, g.longitude_deg, utm.zone, utm.north, utm.easting_m, utm.northing_m,
-                                 utm.convergence_deg, utm.scale);
+                                 utm.convergence_deg, utm.scale, zone < 0 ? GeographicLib::UTMUPS::STANDARD : zone);
   return utm;
 }
 

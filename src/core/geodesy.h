@@ -33,6 +33,7 @@ struct Utm {
   double scale = 1;            ///< grid distance / distance on the ellipsoid
   int epsg() const { return zone == 0 ? (north ? 32661 : 32761) : (north ? 32600 : 32700) + zone; }
 };
-Utm toUtm(const Geodetic& g);
+/// @param zone of which the coordinates are to be, even a little outside of it; negative: the one that g lies in.
+Utm toUtm(const Geodetic& g, int zone = -1);
 
 }  // namespace scslam

@@ -5,9 +5,11 @@
 #include <set>
 
 #include "scslam/core/error.h"
+#include "scslam/core/file.h"
 #include "scslam/core/parallel.h"
 #include "scslam/mapping/map_exporter.h"
 #include "scslam/mapping/voxel_set.h"
+#include "scslam/session/layout.h"
 
 namespace scslam {
 namespace {
@@ -21,10 +23,10 @@ struct Loaded {
   MapTile tile;
 };
 
-Loaded load(const Session& session, KeyframeId k, const MapOptions& options) {
+Loaded load(const Session& session, KeyframeId k, const MapOptions& options, const MapFrame& frame) {
   Loaded loaded;
   const Pose T_map_sensor = session.poses()[k] * session.info().T_base_sensor;
-  loaded.tile.sensor_origin = T_map_sensor.translation();
+  loaded.tile.sensor_origin = frame(Eigen::Vector3d(T_map_sensor.translation()));
   if (session.classic() && !session.hasCloud(k)) {
     loaded.missing = true;
     return loaded;
@@ -39,7 +41,9 @@ Loaded load(const Session& session, KeyframeId k, const MapOptions& options) {
     loaded.out_of_range += keep[i] ? 0 : 1;
   }
   cloud.filter(keep);
-  transformInPlace(cloud, T_map_sensor);
+  Eigen::Affine3d A = frame.around(T_map_sensor.translation());
+  A = A * T_map_sensor;
+  transformInPlace(cloud, A);
   loaded.tile.cloud_map = std::move(cloud);
   return loaded;
 }
@@ -67,6 +71,8 @@ class MapBuild {
       : session_(session),
         options_(options),
         context_(context),
+        frame_(session, options.frame),
+        folder_(out_folder),
         voxel_m_(options.voxel_m.value_or(kDefaultVoxel)),
         voxels_(voxel_m_ > 0 ? voxel_m_ : 1, options.voxel_budget_bytes, out_folder) {
     const auto& registry = Registry<MapExporter>::instance();
@@ -74,11 +80,7 @@ class MapBuild {
     std::error_code error;
     std::filesystem::create_directories(out_folder, error);
     if (error) throw inputError("cannot create {}: {}", out_folder.string(), error.message());
-    const SessionInfo& of = session.info();
-    const MapInfo info{out_folder,      options.voxel_m.value_or(0),
-                       of.planar,       session.trajectory(),
-                       session.graph(), of.input,
-                       of.sensor_label, of.sensor_table};
+    const MapInfo info = infoOf(out_folder);
     std::set<std::string> done;
     for (const std::string& format : formats) {
       if (!done.insert(format).second) continue;
@@ -99,16 +101,32 @@ class MapBuild {
     }
     for (const auto& exporter : exporters_)
       for (const auto& file : exporter->end()) summary_.files.push_back(file);
+    if (!frame_.description().empty()) {
+      summary_.files.push_back(folder_ / layout::kGeoreference);
+      writeFileAtomically(summary_.files.back(), frame_.description());
+    }
     summary_.keyframes = n;
     return summary_;
   }
 
  private:
+  MapInfo infoOf(const std::filesystem::path& out_folder) const {
+    const SessionInfo& of = session_.info();
+    MapInfo info{out_folder,        options_.voxel_m.value_or(0),
+                 of.planar,         frame_.name(),
+                 frame_.offset_m(), session_.trajectory(),
+                 session_.graph(),  of.input,
+                 of.sensor_label,   of.sensor_table};
+    for (StampedPose& pose : info.trajectory) pose.T = frame_(pose.T);
+    for (Pose& T : info.graph.poses) T = frame_(T);
+    return info;
+  }
+
   /// Loads in parallel, adds in order.
   void addKeyframes(std::size_t begin, std::size_t end) {
     std::vector<Loaded> batch(end - begin);
     context_.threads.forEachChunk(batch.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      batch[i] = load(session_, static_cast<KeyframeId>(begin + i), options_);
+      batch[i] = load(session_, static_cast<KeyframeId>(begin + i), options_, frame_);
     });
     for (const Loaded& loaded : batch) add(loaded);
   }
@@ -137,6 +155,8 @@ class MapBuild {
   const Session& session_;
   const MapOptions& options_;
   const PluginContext& context_;
+  MapFrame frame_;
+  std::filesystem::path folder_;
   double voxel_m_;
   VoxelSet voxels_;
   std::vector<std::unique_ptr<MapExporter>> exporters_;

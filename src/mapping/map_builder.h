@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scslam/core/registry.h"
+#include "scslam/mapping/map_frame.h"
 #include "scslam/session/session.h"
 
 namespace scslam {
@@ -15,6 +16,7 @@ struct MapOptions {
   /// Edge of the voxels that keep one point each: the first measured one, unmoved [m]. 0 keeps every point. When not
   /// given, point clouds take 0.1 and octomap 0.2.
   std::optional<double> voxel_m;
+  MapFrameKind frame = MapFrameKind::kMap;
   double min_range_m = 0;                       ///< nearer points of a scan are left out, and counted
   double max_range_m = 1e9;                     ///< further ones too
   std::size_t voxel_budget_bytes = 256u << 20;  ///< of the voxel set; beyond it tiles wait on disk (voxel_set.h)
@@ -31,7 +33,7 @@ struct MapSummary {
 /// Memory: one cloud per thread, the voxel budget, and what an exporter keeps (octomap: its tree).
 /// The result does not depend on the number of threads.
 /// @throw usageError for an unknown format; inputError for a missing or damaged scan (classic folders: missing ones are
-/// counted instead) and when a file cannot be written.
+/// counted instead), for a frame on Earth without satellite fixes, and when a file cannot be written.
 MapSummary exportMap(const Session& session, const std::vector<std::string>& formats, const MapOptions& options,
                      const std::filesystem::path& out_folder, const PluginContext& context,
                      const std::function<void(std::size_t)>& progress = {});

@@ -18,15 +18,17 @@ struct MapInfo {
   std::filesystem::path folder;  ///< where the exporter writes, exists
   double voxel_m = 0;            ///< resolution asked for; 0 = the format's own default
   bool planar = false;
-  std::vector<StampedPose> trajectory;            ///< T_map_base of every scan
-  PoseGraph graph;                                ///< over T_map_base of the keyframes
-  std::string input, sensor_label, sensor_table;  ///< of the session (session_writer.h)
+  std::string frame = "map";                           ///< of all poses and points (map_frame.h)
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< to be added to coordinates where that frame is UTM
+  std::vector<StampedPose> trajectory;                 ///< T_map_base of every scan
+  PoseGraph graph;                                     ///< over T_map_base of the keyframes
+  std::string input, sensor_label, sensor_table;       ///< of the session (session_writer.h)
 };
 
 /// One keyframe's share of the map.
 struct MapTile {
-  Cloud cloud_map;                ///< frame map
-  Eigen::Vector3d sensor_origin;  ///< frame map, for ray casting
+  Cloud cloud_map;                ///< frame MapInfo::frame
+  Eigen::Vector3d sensor_origin;  ///< the same, for ray casting
 };
 
 /// Plug-in interface of mapping/exporters.

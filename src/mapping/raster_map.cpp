@@ -35,7 +35,8 @@ std::vector<std::filesystem::path> writeRasterMap(const std::filesystem::path& f
                top = (frame.j_max + 1) * frame.cell_m;
   writeFileAtomically(png, encodeGreyPng(picture, true));
   writeFileAtomically(world, fmt::format("{:.17g}\n0\n0\n{:.17g}\n{:.17g}\n{:.17g}\n", frame.cell_m, -frame.cell_m,
-                                         left + 0.5 * frame.cell_m, top - 0.5 * frame.cell_m));
+                                         frame.offset_m.x() + left + 0.5 * frame.cell_m,
+                                         frame.offset_m.y() + top - 0.5 * frame.cell_m));
   writeFileAtomically(yaml, fmt::format("image: {}.png\nmode: {}\nresolution: {:.17g}\norigin: [{:.17g}, {:.17g}, 0]\n"
                                         "negate: {}\noccupied_thresh: {}\nfree_thresh: {}\n",
                                         name, meaning.mode, frame.cell_m, left, bottom, meaning.negate ? 1 : 0,

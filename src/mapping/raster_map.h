@@ -1,5 +1,6 @@
 // Maps that are pictures: where their pixels lie, and the files that say so.
 #pragma once
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -45,7 +46,8 @@ class TiledGrid {
 /// The smallest rectangle of cells around what was seen.
 struct RasterFrame {
   double cell_m = 1;
-  int i_min = 0, i_max = -1, j_min = 0, j_max = -1;  ///< inclusive; empty while i_max < i_min
+  int i_min = 0, i_max = -1, j_min = 0, j_max = -1;    ///< inclusive; empty while i_max < i_min
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< MapInfo's: goes into the world file
 
   void include(int i, int j);
   bool empty() const { return i_max < i_min; }

@@ -53,10 +53,10 @@ std::vector<float> readRow(std::string_view line, const std::string& where) {
 }  // namespace
 
 std::vector<std::string> allNames() {
-  return {kScans,           kDescriptors, kOptimisedPoses, kOdometryPoses, kTimes,        kPoseGraph, kTrajectory,
-          kOdometry,        kLoops,       kMetrics,        kConfig,        kLog,          kJournal,   kCheckpoint,
-          "trajectory.svg", "map",        "clean",         kGnss,          kGeoreference, kParents,   kKeyframeParents,
-          kLtMapper,        "merge.svg",  "map_top.png",   kManifest};
+  return {kScans,           kDescriptors, kOptimisedPoses, kOdometryPoses, kTimes,   kPoseGraph,    kTrajectory,
+          kOdometry,        kLoops,       kMetrics,        kConfig,        kLog,     kJournal,      kCheckpoint,
+          "trajectory.svg", "map",        "clean",         "changes",      kGnss,    kGeoreference, kParents,
+          kKeyframeParents, kLtMapper,    "merge.svg",     "map_top.png",  kManifest};
 }
 
 std::filesystem::path scanFile(const std::filesystem::path& folder, KeyframeId k) {

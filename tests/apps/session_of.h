@@ -16,6 +16,8 @@ struct SessionParts {
   std::function<Cloud(std::size_t k)> cloud_sensor = [](std::size_t) { return Cloud{}; };
   Pose T_base_sensor = Pose::Identity();
   bool planar = false;
+  std::vector<GnssRecord> gnss = {};
+  std::vector<SessionParent> parents = {};
 };
 
 inline LoopRecord acceptedLoop(KeyframeId match, KeyframeId query, const Pose& T_match_query) {
@@ -34,6 +36,7 @@ inline Session sessionOf(const std::filesystem::path& folder, const SessionParts
   SessionInfo info;
   info.T_base_sensor = parts.T_base_sensor;
   info.planar = parts.planar;
+  info.parents = parts.parents;
   const auto writer = SessionWriter::create(folder, info, false);
   std::vector<Keyframe> keyframes;
   for (std::size_t k = 0; k < parts.odometry.size(); ++k) {
@@ -48,6 +51,7 @@ inline Session sessionOf(const std::filesystem::path& folder, const SessionParts
     keyframes.push_back(keyframe);
   }
   for (const LoopRecord& loop : parts.loops) writer->addLoop(loop);
+  for (const GnssRecord& fix : parts.gnss) writer->addGnss(fix);
   writer->finish(buildGraph(keyframes, parts.loops, parts.optimised, parts.planar));
   return Session::open(folder);
 }

@@ -1,6 +1,8 @@
 #include "scslam/apps/clean/clean.h"
 
 #include <chrono>
+#include <numeric>
+#include <set>
 
 #include "scslam/apps/clean/clean_score.h"
 #include "scslam/apps/clean/scan_judge.h"
@@ -45,6 +47,30 @@ constexpr std::size_t kBatch = 8;        ///< keyframes judged side by side
 constexpr std::size_t kGroundScans = 8;  ///< of the views soon and later that say where the ground is
 constexpr const char* kReport = "clean.json";
 
+/// Keyframes whose scans testify about one, of those within reach, increasing.
+struct Around {
+  std::vector<KeyframeId> soon;   ///< taken just before and after it
+  std::vector<KeyframeId> later;  ///< of the others, evenly spread over time
+};
+
+Around around(KeyframeId k, const SavedMap& map, const CleanParams& params) {
+  Around around;
+  const auto soon = static_cast<KeyframeId>(params.soon_views / 2);
+  const Eigen::Vector3d here = map.poses()[k].translation();
+  for (KeyframeId other = 0; other < map.keyframes().size(); ++other) {
+    if (other == k || (map.poses()[other].translation() - here).norm() > params.reach_m) continue;
+    (std::max(k, other) - std::min(k, other) <= soon ? around.soon : around.later).push_back(other);
+  }
+  around.later = evenlySpread(around.later, static_cast<std::size_t>(params.later_views));
+  return around;
+}
+
+std::vector<KeyframeId> allOf(const SavedMap& map) {
+  std::vector<KeyframeId> all(map.keyframes().size());
+  std::iota(all.begin(), all.end(), KeyframeId{0});
+  return all;
+}
+
 /// A scan taken apart.
 struct Parted {
   ScanVerdict verdict;
@@ -71,7 +97,7 @@ class Cleaner {
       : map_(map),
         params_(config.clean),
         context_(context),
-        views_(map, params_),
+        views_(map, allOf(map), params_.cache_mb * 1e6),
         static_(map, folder / "static", config.slam.place, context),
         dynamic_(map, folder / "dynamic", config.slam.place, context) {}
 
@@ -82,10 +108,18 @@ class Cleaner {
     for (std::size_t begin = 0; begin < n; begin += kBatch) {
       const std::size_t end = std::min(n, begin + kBatch);
       progress(begin);
-      views_.prepare(static_cast<KeyframeId>(begin), static_cast<KeyframeId>(end), context_);
+      std::vector<Around> witnesses;
+      std::set<KeyframeId> needed;
+      for (std::size_t k = begin; k < end; ++k) {
+        const Around& a = witnesses.emplace_back(around(static_cast<KeyframeId>(k), map_, params_));
+        needed.insert(static_cast<KeyframeId>(k));
+        needed.insert(a.soon.begin(), a.soon.end());
+        needed.insert(a.later.begin(), a.later.end());
+      }
+      views_.prepare(needed, context_);
       std::vector<Parted> parts(end - begin);
       context_.threads.forEachChunk(parts.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-        parts[i] = part(static_cast<KeyframeId>(begin + i), labels != nullptr);
+        parts[i] = part(static_cast<KeyframeId>(begin + i), witnesses[i], labels != nullptr);
       });
       for (std::size_t i = 0; i < parts.size(); ++i) {
         const auto k = static_cast<KeyframeId>(begin + i);
@@ -103,25 +137,17 @@ class Cleaner {
   }
 
  private:
-  Parted part(KeyframeId k, bool with_map) const {
+  Parted part(KeyframeId k, const Around& around, bool with_map) const {
     Parted parted;
     const Cloud cloud = scanOf(map_, k);
     const Pose T_map_sensor = views_.T_map_sensor(k);
     const Cloud cloud_map = transformed(cloud, T_map_sensor);
-    const Views::Around around = views_.around(k);
     parted.viewed = !around.soon.empty() || !around.later.empty();
     const SightMargins margins{static_cast<float>(params_.margin_m), static_cast<float>(params_.margin_per_m), 1,
                                static_cast<float>(params_.sky_m)};
-    const auto votesOf = [&](const std::vector<KeyframeId>& keyframes) {
-      SightVotes votes(cloud.size());
-      for (const KeyframeId other : keyframes) {
-        const View& view = views_.at(other);
-        view.image.vote(cloud, view.T_map_sensor.inverse() * T_map_sensor, views_.grid(), margins, votes);
-      }
-      return votes;
-    };
-    parted.verdict = judgeScan(cloud, heights(k, cloud_map, around), votesOf(around.soon), votesOf(around.later),
-                               T_map_sensor, params_);
+    parted.verdict =
+        judgeScan(cloud, heights(k, cloud_map, around), views_.ask(around.soon, cloud, T_map_sensor, margins),
+                  views_.ask(around.later, cloud, T_map_sensor, margins), T_map_sensor, params_);
     const std::vector<std::uint8_t>& goes = parted.verdict.dynamic;
     std::vector<std::uint8_t> stays(goes.size());
     for (std::size_t i = 0; i < goes.size(); ++i) stays[i] = goes[i] == 0 ? 1 : 0;
@@ -134,7 +160,7 @@ class Cleaner {
   }
 
   /// Of each point over the ground that the scan and those around it saw; infinite for planar scans.
-  std::vector<float> heights(KeyframeId k, const Cloud& cloud_map, const Views::Around& around) const {
+  std::vector<float> heights(KeyframeId k, const Cloud& cloud_map, const Around& around) const {
     std::vector<float> heights(cloud_map.size(), std::numeric_limits<float>::infinity());
     if (views_.grid().planar) return heights;
     std::vector<const std::vector<LowPoint>*> low = {&views_.at(k).low_points};

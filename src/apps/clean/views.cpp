@@ -1,8 +1,7 @@
 #include "scslam/apps/clean/views.h"
 
 #include <algorithm>
-#include <iterator>
-#include <set>
+#include <tuple>
 
 #include "scslam/core/parallel.h"
 
@@ -12,32 +11,24 @@ namespace {
 /// Scans from which the grid of directions is made, evenly spread over the session.
 constexpr std::size_t kSamples = 24;
 
+std::size_t bytesOf(const View& view) { return view.image.bytes() + view.low_points.size() * sizeof(LowPoint); }
+
 }  // namespace
 
 Cloud scanOf(const SavedMap& map, KeyframeId k) { return map.session().cloud(map.ownNumber(k)); }
 
-Views::Views(const SavedMap& map, const CleanParams& params)
-    : map_(map), T_base_sensor_(map.session().info().T_base_sensor), params_(params) {
-  std::vector<Cloud> samples;
-  const std::size_t n = map.keyframes().size(), step = std::max<std::size_t>(1, n / kSamples);
-  for (std::size_t k = 0; k < n; k += step) samples.push_back(scanOf(map, static_cast<KeyframeId>(k)));
-  grid_ = sightGridOf(samples, map.session().info().planar);
+std::vector<KeyframeId> evenlySpread(const std::vector<KeyframeId>& keyframes, std::size_t most) {
+  if (keyframes.size() <= most) return keyframes;
+  std::vector<KeyframeId> spread;
+  for (std::size_t i = 0; i < most; ++i) spread.push_back(keyframes[i * keyframes.size() / most]);
+  return spread;
 }
 
-Views::Around Views::around(KeyframeId k) const {
-  Around around;
-  const auto soon = static_cast<KeyframeId>(params_.soon_views / 2);
-  const Eigen::Vector3d here = map_.poses()[k].translation();
-  for (KeyframeId other = 0; other < map_.keyframes().size(); ++other) {
-    if (other == k || (map_.poses()[other].translation() - here).norm() > params_.reach_m) continue;
-    (std::max(k, other) - std::min(k, other) <= soon ? around.soon : around.later).push_back(other);
-  }
-  const auto most = static_cast<std::size_t>(params_.later_views);
-  if (around.later.size() <= most) return around;
-  std::vector<KeyframeId> spread;
-  for (std::size_t i = 0; i < most; ++i) spread.push_back(around.later[i * around.later.size() / most]);
-  around.later = std::move(spread);
-  return around;
+Views::Views(const SavedMap& map, const std::vector<KeyframeId>& keyframes, double budget_bytes)
+    : map_(map), T_base_sensor_(map.session().info().T_base_sensor), budget_bytes_(budget_bytes) {
+  std::vector<Cloud> samples;
+  for (const KeyframeId k : evenlySpread(keyframes, kSamples)) samples.push_back(scanOf(map, k));
+  grid_ = sightGridOf(samples, map.session().info().planar);
 }
 
 View Views::make(KeyframeId k) const {
@@ -46,18 +37,12 @@ View Views::make(KeyframeId k) const {
   return {T, SightImage(cloud, grid_), lowPoints(transformed(cloud, T), T.translation().cast<float>())};
 }
 
-void Views::prepare(KeyframeId begin, KeyframeId end, const PluginContext& context) {
-  std::set<KeyframeId> needed;
-  for (KeyframeId k = begin; k < end; ++k) {
-    needed.insert(k);
-    const Around views = around(k);
-    needed.insert(views.soon.begin(), views.soon.end());
-    needed.insert(views.later.begin(), views.later.end());
-  }
+void Views::prepare(const std::set<KeyframeId>& keyframes, const PluginContext& context) {
+  ++uses_;
   std::vector<KeyframeId> missing;
-  for (const KeyframeId k : needed) {
+  for (const KeyframeId k : keyframes) {
     Kept& kept = views_[k];
-    kept.last_use = end;
+    kept.last_use = uses_;
     if (!kept.view) missing.push_back(k);
   }
   context.threads.forEachChunk(missing.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
@@ -67,22 +52,28 @@ void Views::prepare(KeyframeId begin, KeyframeId end, const PluginContext& conte
 }
 
 void Views::forget() {
-  const double budget_bytes = params_.cache_mb * 1e6;
-  std::size_t bytes = 0;
-  KeyframeId newest = 0;
-  std::vector<std::pair<KeyframeId, KeyframeId>> by_use;
+  double bytes = 0;
+  std::vector<std::tuple<std::size_t, KeyframeId>> by_use;
   for (const auto& [k, kept] : views_) {
-    bytes += kept.view->image.bytes() + kept.view->low_points.size() * sizeof(LowPoint);
+    bytes += static_cast<double>(bytesOf(*kept.view));
     by_use.emplace_back(kept.last_use, k);
-    newest = std::max(newest, kept.last_use);
   }
   std::sort(by_use.begin(), by_use.end());
   for (const auto& [last_use, k] : by_use) {
-    if (static_cast<double>(bytes) <= budget_bytes || last_use == newest) return;
-    const View& view = *views_.at(k).view;
-    bytes -= view.image.bytes() + view.low_points.size() * sizeof(LowPoint);
+    if (bytes <= budget_bytes_ || last_use == uses_) return;
+    bytes -= static_cast<double>(bytesOf(*views_.at(k).view));
     views_.erase(k);
   }
+}
+
+SightVotes Views::ask(const std::vector<KeyframeId>& keyframes, const Cloud& cloud, const Pose& T_map_cloud,
+                      const SightMargins& margins) const {
+  SightVotes votes(cloud.size());
+  for (const KeyframeId k : keyframes) {
+    const View& view = at(k);
+    view.image.vote(cloud, view.T_map_sensor.inverse() * T_map_cloud, grid_, margins, votes);
+  }
+  return votes;
 }
 
 }  // namespace scslam

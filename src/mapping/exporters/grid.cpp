@@ -34,7 +34,7 @@ class GridExporter final : public MapExporter {
 
   Tiles tiles() const override { return Tiles::kEveryPoint; }
   void begin(const MapInfo& info) override {
-    folder_ = info.folder, planar_ = info.planar;
+    folder_ = info.folder, planar_ = info.planar, offset_m_ = info.offset_m;
     cell_m_ = info.voxel_m > 0 ? info.voxel_m : kDefaultCell;
   }
 
@@ -51,7 +51,7 @@ class GridExporter final : public MapExporter {
 
   std::vector<std::filesystem::path> end() override {
     RasterFrame frame;
-    frame.cell_m = cell_m_;
+    frame.cell_m = cell_m_, frame.offset_m = offset_m_;
     grid_.forEach([&](int i, int j, float odds) {
       if (odds != 0) frame.include(i, j);
     });
@@ -113,6 +113,7 @@ class GridExporter final : public MapExporter {
   }
 
   Params params_;
+  Eigen::Vector3d offset_m_;
   std::filesystem::path folder_;
   bool planar_ = false;
   double cell_m_ = kDefaultCell;

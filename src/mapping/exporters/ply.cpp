@@ -4,14 +4,14 @@
 namespace scslam {
 namespace {
 
-std::string headerOf(std::uint64_t points) {
+std::string headerOf(const std::string& frame, std::uint64_t points) {
   constexpr std::size_t kCountDigits = 20;
   const std::string count = std::to_string(points);
   // The comment takes up what the count leaves, so that the header's length is known before the points are.
   return fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment scslam map, frame map, metres{}\nelement vertex {}\n"
+      "ply\nformat binary_little_endian 1.0\ncomment scslam map, frame {}, metres{}\nelement vertex {}\n"
       "property float x\nproperty float y\nproperty float z\nproperty float intensity\nend_header\n",
-      std::string(kCountDigits - count.size(), ' '), count);
+      frame, std::string(kCountDigits - count.size(), ' '), count);
 }
 
 class PlyExporter final : public MapExporter {
@@ -22,12 +22,14 @@ class PlyExporter final : public MapExporter {
   PlyExporter(const Params&, const PluginContext&) {}
 
   void begin(const MapInfo& info) override {
-    file_ = std::make_unique<PointFile>(info.folder / "map.ply", headerOf(0).size());
+    frame_ = info.frame;
+    file_ = std::make_unique<PointFile>(info.folder / "map.ply", headerOf(frame_, 0).size());
   }
   void add(const MapTile& tile) override { file_->append(tile.cloud_map); }
-  std::vector<std::filesystem::path> end() override { return {file_->close(headerOf(file_->points()))}; }
+  std::vector<std::filesystem::path> end() override { return {file_->close(headerOf(frame_, file_->points()))}; }
 
  private:
+  std::string frame_;
   std::unique_ptr<PointFile> file_;
 };
 

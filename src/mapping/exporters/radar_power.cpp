@@ -89,7 +89,7 @@ class RadarPowerExporter final : public MapExporter {
 
   Tiles tiles() const override { return Tiles::kNone; }
   void begin(const MapInfo& info) override {
-    folder_ = info.folder;
+    folder_ = info.folder, offset_m_ = info.offset_m;
     cell_m_ = info.voxel_m > 0 ? info.voxel_m : kDefaultCell;
     sweeps_ = std::make_unique<RadarSweeps>(info, context_);
   }
@@ -98,7 +98,7 @@ class RadarPowerExporter final : public MapExporter {
   std::vector<std::filesystem::path> end() override {
     while (const auto sweep = sweeps_->next()) accumulate(*sweep);
     RasterFrame frame;
-    frame.cell_m = cell_m_;
+    frame.cell_m = cell_m_, frame.offset_m = offset_m_;
     double brightest = 1;
     grid_.forEach([&](int i, int j, const Mean& cell) {
       if (cell.count == 0) return;
@@ -154,6 +154,7 @@ class RadarPowerExporter final : public MapExporter {
 
   Params params_;
   PluginContext context_;
+  Eigen::Vector3d offset_m_;
   std::filesystem::path folder_;
   double cell_m_ = kDefaultCell;
   std::unique_ptr<RadarSweeps> sweeps_;
