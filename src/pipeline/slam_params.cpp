@@ -52,7 +52,7 @@ void SlamParams::describe(ParamVisitor& v) {
   v.group("session", session, "the session folder");
 }
 
-void loadConfig(SlamParams& params, const std::string& name_or_file) {
+void loadConfig(ParamSet& params, const std::string& name_or_file) {
   if (std::filesystem::is_regular_file(name_or_file)) {
     loadYaml(params, readFile(name_or_file, 1 << 20), name_or_file);
     return;

@@ -82,6 +82,6 @@ struct SlamParams : ParamSetOf<SlamParams> {
 
 /// Layers a shipped configuration ("laser2d") or a file over `params`.
 /// @throw usageError when neither exists (with the shipped names), or for what loadYaml refuses.
-void loadConfig(SlamParams& params, const std::string& name_or_file);
+void loadConfig(ParamSet& params, const std::string& name_or_file);
 
 }  // namespace scslam

@@ -27,7 +27,7 @@ pid_t start(const fs::path& in, const fs::path& out, bool resume) {
 
 TEST(Kill, TwentyKillsAtRandomMomentsEndInTheBytesOfAnUndisturbedRun) {
   const auto folder = test::freshFolder();
-  const auto truth = test::aroundTheBlock(1.5, 1.15);
+  const auto truth = test::aroundTheBlock(2.5, 1.15);
   test::writeKittiDrive(folder / "in", test::Town(), truth, truth, 3000);
   const auto run_time = [&] {
     const auto begin = std::chrono::steady_clock::now();
