@@ -144,7 +144,7 @@ ScanToMap::Guess ScanToMap::bestGuess(const Scan& scan, const Cloud& source) con
     const Pose T_step = T_recorded_->inverse() * *scan.T_odom_base;
     if (isRigid(T_step)) guesses.insert(guesses.begin(), {T_odom_base_ * T_step, recordedInformation(T_step)});
   }
-  if (moving_known_ && !slowSweeps()) guesses.push_back({T_odom_base_, Matrix6d::Zero()});
+  if (moving_known_) guesses.push_back({T_odom_base_, Matrix6d::Zero()});
   const Cloud few = thinned(source, 500);
   // A later guess must be clearly better: scores of near guesses differ by noise.
   std::size_t best = 0;
@@ -204,8 +204,7 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
   fit.deskewed = true;
   Guess from = guess;
   // The guessed velocity first; once more with the measured one when they differ (turns, starts, stops).
-  const int rounds = slowSweeps() ? 4 : 2;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < 2; ++round) {
     const Vector6d twist = twistOf(T_odom_base_.inverse() * from.T_odom_base, scan.stamp);
     if (round > 0 && !moreThanNoise(twist - fit.twist, sweep_s)) break;
     fit.twist = twist;

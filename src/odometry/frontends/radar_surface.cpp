@@ -55,7 +55,7 @@ class RadarSurface : public RadarOdometry {
     int keyframes = 4;
     double keyframe_m = 1.5, keyframe_deg = 5;
     double direction_deg = 45;
-    double sigma_m = 0, gate_m = 0;
+    double sigma_m = 0;
     void describe(ParamVisitor& v) override {
       describeRadar(v);
       v.field("group_m", group_m, "radius of a group of points that makes a surface point [m]; 0: 0.75 voxel_m", 0.0,
@@ -65,7 +65,6 @@ class RadarSurface : public RadarOdometry {
       v.field("keyframe_m", keyframe_m, "a sweep becomes a keyframe so far from the last one [m]", 0.0, 1000.0);
       v.field("keyframe_deg", keyframe_deg, "or turned so far from it [deg]", 0.0, 360.0);
       v.field("direction_deg", direction_deg, "surfaces that match differ by less [deg]", 1.0, 90.0);
-      v.field("gate_m", gate_m, "and lie nearer to each other than this at first [m]; 0: group_m", 0.0, 100.0);
       v.field("sigma_m", sigma_m, "what a group's place is known to at best [m]; 0: 0.06 voxel_m", 0.0, 10.0);
     }
   };
@@ -78,7 +77,6 @@ class RadarSurface : public RadarOdometry {
     return "";
   }
 
-  double gate() const { return params_.gate_m > 0 ? params_.gate_m : groupRadius(); }
   double groupRadius() const { return params_.group_m > 0 ? params_.group_m : 0.75 * voxelSize(); }
   OrientedPoints groupsOf(const Features& features) const {
     return radar_surface::orientedPoints(features[0], {groupRadius(), params_.group_points});
@@ -89,7 +87,7 @@ class RadarSurface : public RadarOdometry {
     MatchOptions options = matchOptions(guess);
     if (params_.sigma_m > 0) options.sigma_m = params_.sigma_m;
     MatchKernel kernel;
-    kernel.gate_m = gate();
+    kernel.gate_m = groupRadius();
     kernel.width_m = 0.5 * kernel.gate_m;
     kernel.inlier_m = options.inlier_m;
     kernel.sigma_m = options.sigma_m;
@@ -170,7 +168,7 @@ class RadarSurface : public RadarOdometry {
   }
 
   void addKeyframe(const Pose& T_odom_base, OrientedPoints points) {
-    PointGrid grid(points.x, points.y, gate());
+    PointGrid grid(points.x, points.y, groupRadius());
     keyframes_.push_back({T_odom_base, std::move(points), std::move(grid)});
   }
 
