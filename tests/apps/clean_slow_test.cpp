@@ -1,6 +1,7 @@
 // Cleaning of simulated traffic and of real recordings.
 #include <octomap/octomap.h>
 
+#include <cstring>
 #include <iostream>
 
 #include "apps/session_of.h"
@@ -11,6 +12,7 @@
 #include "scslam/core/file.h"
 #include "scslam/core/trajectory.h"
 #include "sim/simulation.h"
+#include "support/support.h"
 
 namespace scslam::test {
 namespace {
