@@ -158,7 +158,7 @@ TEST(CleanRefuses, ToReplaceWithoutBeingTold) {
   fs::create_directories(options.output);
   writeFileAtomically(options.output / "thesis.tex", "\\cite{kim2022}");
   options.overwrite = true;
-  expectRefused(options, ExitCode::kUsage, "thesis.tex");
+  expectRefused(options, ExitCode::kUsage, "no cleaned session");
   EXPECT_TRUE(fs::exists(options.output / "thesis.tex"));
   options.output = cleaned().folder;
   options.overwrite = false;
