@@ -99,7 +99,7 @@ TEST(CleanReal, PandaSetIsCleanedBetterThanByAPlainOctoMap) {
   std::vector<Cloud> clouds;
   for (std::size_t k = 0; k < trajectory.poses.size(); ++k) {
     parts.odometry.push_back(trajectory.poses[k].T);
-    clouds.push_back(kittiCloud(recording / "velodyne" / fmt::format("{:06}.bin", k)));
+    clouds.push_back(kittiCloud(recording / "velodyne" / fmt::format("{:06}.bin", 60 + k)));
   }
   parts.optimised = parts.odometry;
   parts.cloud_sensor = [&clouds](std::size_t k) { return clouds[k]; };
