@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs, builds, runs all tests: ./test.sh          (what CI runs)
-#                                   ./test.sh fast     (only the fast ones, no sanitizers)
+# Installs, builds, runs all tests: ./test.sh            (what CI runs: without half of the simulated scenarios)
+#                                   ./test.sh everything (with all of them)
+#                                   ./test.sh fast       (only the fast ones, no sanitizers)
 set -euo pipefail
 cd "$(dirname "$0")"
 source cmake/install_dependencies.sh
@@ -28,5 +29,10 @@ echo "== what reads files and keeps sessions, under the address and undefined-be
 # MRPT, GDAL and glog keep memory until the process ends: leaks of theirs are not ours to report.
 ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 ctest --preset asan-ubsan -j "$jobs"
 
-echo "== all tests"
-ctest --preset ci -j "$jobs"
+if [ "${1:-all}" = everything ]; then
+  echo "== all tests"
+  ctest --preset ci -j "$jobs"
+else
+  echo "== all tests but the scenarios labelled long (./test.sh everything runs them, too)"
+  ctest --preset ci -LE long -j "$jobs"
+fi
