@@ -1,17 +1,16 @@
 #include "scslam/view/changes_png.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "scslam/core/image.h"
+#include "scslam/view/scale_bar.h"
 #include "scslam/view/svg_plot.h"
 
 namespace scslam {
 namespace {
 
-constexpr Rgb kBackground = {13, 17, 23}, kBar = {255, 255, 255}, kUnseen = {60, 70, 110}, kStayed = {190, 190, 190},
+constexpr Rgb kBackground = {13, 17, 23}, kUnseen = {60, 70, 110}, kStayed = {190, 190, 190},
               kAppeared = {60, 220, 100}, kDisappeared = {255, 60, 60};
 
 /// Later ones are drawn over earlier ones.
@@ -40,11 +39,7 @@ std::string changesPng(const ChangeMap& map, int max_pixels) {
       image.blend(static_cast<int>(std::floor((p.x() - bounds.min.x()) / pixel_m)),
                   static_cast<int>(std::floor((bounds.max.y() - p.y()) / pixel_m)), colour, plain ? 0.3F : 0.9F);
     }
-  const double metres = niceNumber(width * pixel_m / 8);
-  const int length = static_cast<int>(std::lround(metres / pixel_m)), scale = std::max(width, height) >= 1000 ? 3 : 2;
-  const int x = 6 * scale, y = height - 7 * scale;
-  image.line(x, y, x + length, y, 1.2 * scale, kBar);
-  image.text(x, y - 11 * scale, fmt::format("{:g} m", metres), scale, kBar);
+  drawScaleBar(image, pixel_m);
   return image.png();
 }
 

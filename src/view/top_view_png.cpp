@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scslam/core/image.h"
+#include "scslam/view/scale_bar.h"
 #include "scslam/view/svg_plot.h"
 
 namespace scslam {
@@ -114,7 +115,7 @@ class TopView {
     drawPoints(image);
     drawMarked(image);
     drawTrack(image);
-    drawScaleBar(image);
+    drawScaleBar(image, pixel_m_);
     return image.png();
   }
 
@@ -174,17 +175,6 @@ class TopView {
         image.line(track[i - 1].x(), track[i - 1].y(), track[i].x(), track[i].y(), width, colour);
     for (const auto& [width, colour] : {std::pair(4 * thickness + 3, kCasing), std::pair(4 * thickness, kStart)})
       image.line(track[0].x(), track[0].y(), track[0].x(), track[0].y(), width, colour);
-  }
-
-  void drawScaleBar(Image& image) const {
-    const double metres = niceNumber(width_ * pixel_m_ / 8);
-    const std::string label = metres >= 1000 ? fmt::format("{:g} km", metres / 1000) : fmt::format("{:g} m", metres);
-    const int length = static_cast<int>(std::lround(metres / pixel_m_)),
-              scale = std::max(width_, height_) >= 1000 ? 3 : 2;
-    const int x = 6 * scale, y = height_ - 7 * scale;
-    image.line(x, y, x + length, y, 1.2 * scale, kTrack);
-    for (const int end : {x, x + length}) image.line(end, y - 2 * scale, end, y, 1.2 * scale, kTrack);
-    image.text(x + (length - Image::textWidth(label, scale)) / 2, y - 11 * scale, label, scale, kTrack);
   }
 
   const Session& session_;
