@@ -1,6 +1,3 @@
-#include <atomic>
-#include <csignal>
-#include <thread>
 
 #include "scslam/apps/clean/clean.h"
 #include "scslam/core/file.h"
@@ -11,9 +8,6 @@
 
 namespace scslam::cli {
 namespace {
-
-std::atomic<bool> stop_requested{false};
-void requestStop(int) { stop_requested = true; }
 
 struct CleanFlags {
   CleanOptions options;
@@ -29,14 +23,11 @@ int run(CleanFlags flags, const GlobalOptions& global) {
   }
   CleanOptions& options = flags.options;
   if (options.session.empty()) throw usageError("clean needs SESSION; 'scslam clean --help' shows the flags");
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  Log log(verbosity(global));
+  ThreadPool threads(threadsOr(flags.threads));
   options.label_style = flags.label_style == "pandaset" ? LabelStyle::kPandaSet : LabelStyle::kSemanticKitti;
   options.quiet = global.quiet;
-  options.stop = &stop_requested;
-  std::signal(SIGINT, requestStop);
-  std::signal(SIGTERM, requestStop);
+  options.stop = stopOnSignals();
   const CleanSummary summary = cleanSession(options, {threads, log});
 
   const Session stays = Session::open(summary.folder / "static"), goes = Session::open(summary.folder / "dynamic");
@@ -64,9 +55,9 @@ Verb cleanVerb() {
                            "configuration over the session's own: file or shipped name");
             app.add_option("--set", flags->options.sets,
                            "one parameter: section.key=value (clean.later_views=24; --dump shows the section clean)");
-            app.add_option("--labels", flags->options.labels,
+            app.add_option("--gt-labels", flags->options.labels,
                            "folder of the true labels of all scans (NNNNNN.label, uint32 per point), for the scores");
-            app.add_option("--label-style", flags->label_style,
+            app.add_option("--gt-label-style", flags->label_style,
                            "semantickitti: classes 252 to 259 move; pandaset: upper half 1 moves")
                 ->check(CLI::IsMember({"semantickitti", "pandaset"}));
             app.add_option("--threads", flags->threads,

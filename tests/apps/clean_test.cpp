@@ -175,8 +175,9 @@ TEST(CleanRefuses, ToGoOnWhenStopped) {
 
 TEST(CleanVerb, TellsWhatWentAndDrawsIt) {
   const fs::path out = freshFolder() / "out";
-  const RunResult result = runScslam(fmt::format("clean '{}' -o '{}' --labels '{}' -q", passingCar().session.string(),
-                                                 out.string(), passingCar().labels.string()));
+  const RunResult result =
+      runScslam(fmt::format("clean '{}' -o '{}' --gt-labels '{}' -q", passingCar().session.string(), out.string(),
+                            passingCar().labels.string()));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("removed"));
   EXPECT_GT(fs::file_size(out / "clean.png"), 1000u);
