@@ -1,6 +1,3 @@
-#include <atomic>
-#include <csignal>
-#include <thread>
 
 #include "scslam/apps/changes/changes.h"
 #include "scslam/core/file.h"
@@ -11,9 +8,6 @@
 
 namespace scslam::cli {
 namespace {
-
-std::atomic<bool> stop_requested{false};
-void requestStop(int) { stop_requested = true; }
 
 struct ChangesFlags {
   ChangesOptions options;
@@ -28,13 +22,10 @@ int run(ChangesFlags flags, const GlobalOptions& global) {
   }
   ChangesOptions& options = flags.options;
   if (options.session.empty()) throw usageError("changes needs SESSION; 'scslam changes --help' shows the flags");
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  Log log(verbosity(global));
+  ThreadPool threads(threadsOr(flags.threads));
   options.quiet = global.quiet;
-  options.stop = &stop_requested;
-  std::signal(SIGINT, requestStop);
-  std::signal(SIGTERM, requestStop);
+  options.stop = stopOnSignals();
   const ChangesSummary summary = findChanges(options, {threads, log});
   writeFileAtomically(summary.folder / "changes.png", changesPng(summary.map));
   if (flags.json) {

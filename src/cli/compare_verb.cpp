@@ -181,7 +181,7 @@ void makeUnique(std::vector<Input>& inputs) {
 }
 
 int run(CompareFlags flags, const GlobalOptions& global) {
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   if (flags.json && flags.markdown) throw usageError("--json and --markdown: stdout takes one of them");
   flags.loops = !flags.no_loops;
   for (const auto& plugin : flags.plugins) loadPlugin(plugin);

@@ -1,4 +1,3 @@
-#include <thread>
 
 #include "scslam/core/log.h"
 #include "scslam/core/parallel.h"
@@ -32,11 +31,10 @@ void report(const MapSummary& summary, mrpt::system::COutputLogger& log) {
 }
 
 int run(const ExportFlags& flags, const GlobalOptions& global) {
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   const auto& registry = Registry<MapExporter>::instance();
   for (const std::string& format : flags.formats) registry.find(format);
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  ThreadPool threads(threadsOr(flags.threads));
 
   const Session session = Session::open(flags.session);
   if (session.scans().empty()) throw inputError("{} holds no scans yet, there is nothing to export", flags.session);

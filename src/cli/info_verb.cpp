@@ -177,7 +177,7 @@ void printTable(const Json& json, const std::string& indent = "") {
 }
 
 int info(const Options& options, const GlobalOptions& global) {
-  Log log(global.quiet ? mrpt::system::LVL_WARN : global.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   const bool graph = options.input.ends_with(".g2o");
   const Json json = graph ? describeGraph(options, log) : describeSource(options, log, global);
   if (options.json)

@@ -1,6 +1,3 @@
-#include <atomic>
-#include <csignal>
-#include <thread>
 
 #include "scslam/apps/localize/localize.h"
 #include "scslam/core/log.h"
@@ -9,9 +6,6 @@
 
 namespace scslam::cli {
 namespace {
-
-std::atomic<bool> stop_requested{false};
-void requestStop(int) { stop_requested = true; }
 
 struct LocalizeFlags {
   LocalizeOptions options;
@@ -42,16 +36,13 @@ int run(LocalizeFlags flags, const GlobalOptions& global) {
     throw usageError("localize needs SESSION and INPUT; 'scslam localize --help' shows the flags");
   if (!options.session_truth.empty() && options.truth.empty())
     throw usageError("--session-gt places the map; --gt, the truth of the input, is missing");
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  Log log(verbosity(global));
+  ThreadPool threads(threadsOr(flags.threads));
   if (options.output.empty()) options.output = stemOf(options.input) + ".localized";
   if (flags.max > 0) options.max = flags.max;
   if (!flags.odometry.empty()) options.sets.insert(options.sets.begin(), "odometry.frontend=" + flags.odometry);
   options.quiet = global.quiet;
-  options.stop = &stop_requested;
-  std::signal(SIGINT, requestStop);
-  std::signal(SIGTERM, requestStop);
+  options.stop = stopOnSignals();
   const LocalizeSummary summary = localize(options, {threads, log});
   if (!summary.ended_early.empty())
     logWarn(log, "the input ended early: {}; everything before it is kept", summary.ended_early);

@@ -1,6 +1,3 @@
-#include <atomic>
-#include <csignal>
-#include <thread>
 
 #include "scslam/apps/merge/merge.h"
 #include "scslam/core/file.h"
@@ -14,9 +11,6 @@
 namespace scslam::cli {
 namespace {
 
-std::atomic<bool> stop_requested{false};
-void requestStop(int) { stop_requested = true; }
-
 struct MergeFlags {
   MergeOptions options;
   int threads = 0;
@@ -29,13 +23,10 @@ int run(MergeFlags flags, const GlobalOptions& global) {
     return 0;
   }
   if (flags.options.output.empty()) throw usageError("-o is missing: the folder of the merged session");
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  Log log(verbosity(global));
+  ThreadPool threads(threadsOr(flags.threads));
   flags.options.quiet = global.quiet;
-  flags.options.stop = &stop_requested;
-  std::signal(SIGINT, requestStop);
-  std::signal(SIGTERM, requestStop);
+  flags.options.stop = stopOnSignals();
   const MergeSummary summary = mergeSessions(flags.options, {threads, log});
   for (const MergedParent& parent : summary.parents)
     if (!parent.joined)

@@ -69,7 +69,7 @@ PoseGraph solvedOnline(const PoseGraph& graph, const OptimiserParams& params, Lo
 }
 
 int optimizeFile(const Options& options, const GlobalOptions& global) {
-  Log log(global.quiet ? mrpt::system::LVL_WARN : global.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   G2oFile file = readG2o(options.input);
   for (const std::string& warning : file.warnings) logWarn(log, "{}", warning);
   if (!file.poses_known && options.params.init == "file")

@@ -1,6 +1,5 @@
 // scslam places: recognition alone, on a session or any input with truth.
 #include <algorithm>
-#include <thread>
 
 #include "scslam/apps/place_recognition_source.h"
 #include "scslam/apps/run_job.h"
@@ -96,10 +95,9 @@ PlaceReport measureInput(const PlacesFlags& flags, const PluginContext& context,
 }
 
 int run(const PlacesFlags& flags, const GlobalOptions& global) {
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   for (const auto& plugin : flags.plugins) loadPlugin(plugin);
-  ThreadPool threads(flags.threads > 0 ? flags.threads
-                                       : std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  ThreadPool threads(threadsOr(flags.threads));
   const PluginContext context{threads, log};
   const PlaceReport report = isSession(flags.input) ? measureSession(flags, context, global.quiet)
                                                     : measureInput(flags, context, global.quiet);

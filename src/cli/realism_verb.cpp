@@ -195,7 +195,7 @@ void saveTarget(const Options& options, const Measurement& m) {
 }
 
 int realism(const Options& options, const GlobalOptions& global) {
-  Log log(global.quiet ? mrpt::system::LVL_WARN : global.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   const Measurement m = measure(options, global, log);
   if (m.figures.on_ring_share < 0.95)
     logWarn(log, "only {:.0f} % of the returns lie on the rings of '{}'; is that the sensor? (--sensor, --like)",

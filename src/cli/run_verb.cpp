@@ -1,7 +1,5 @@
 #include <cmath>
-#include <csignal>
 #include <functional>
-#include <thread>
 
 #include "scslam/apps/evaluate.h"
 #include "scslam/apps/run_job.h"
@@ -14,13 +12,6 @@
 
 namespace scslam::cli {
 namespace {
-
-std::atomic<bool> stop_requested{false};
-
-void requestStop(int) {
-  stop_requested = true;
-  std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C ends at once; the session stays resumable
-}
 
 struct RunFlags {
   RunOptions job;
@@ -102,10 +93,9 @@ std::optional<Evaluation> addPictures(const Session& session, const std::optiona
 }
 
 int run(RunFlags flags, const GlobalOptions& global) {
-  Log log(global.verbose ? mrpt::system::LVL_DEBUG : global.quiet ? mrpt::system::LVL_WARN : mrpt::system::LVL_INFO);
+  Log log(verbosity(global));
   for (const auto& plugin : flags.plugins) loadPlugin(plugin);
-  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  ThreadPool threads(flags.threads > 0 ? flags.threads : cores);
+  ThreadPool threads(threadsOr(flags.threads));
   const PluginContext context{threads, log};
 
   RunOptions& job = flags.job;
@@ -121,9 +111,7 @@ int run(RunFlags flags, const GlobalOptions& global) {
   job.sets.insert(job.sets.begin(), sets.begin(), sets.end());
   std::optional<Trajectory> ground_truth;
   if (!flags.ground_truth.empty()) ground_truth = readTrajectory(flags.ground_truth);
-  job.stop = &stop_requested;
-  std::signal(SIGINT, requestStop);
-  std::signal(SIGTERM, requestStop);
+  job.stop = stopOnSignals();
 
   std::optional<Evaluation> evaluation;
   job.add = [&](const RunSummary& finished) {

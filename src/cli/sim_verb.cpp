@@ -1,10 +1,7 @@
 // scslam sim: a scenario becomes a rawlog with everything true about it beside.
 #include <fmt/format.h>
 
-#include <atomic>
-#include <csignal>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "scslam/core/error.h"
 #include "scslam/core/log.h"
@@ -14,13 +11,6 @@
 
 namespace scslam::cli {
 namespace {
-
-std::atomic<bool> stop_requested{false};
-
-void requestStop(int) {
-  stop_requested = true;
-  std::signal(SIGINT, SIG_DFL);
-}
 
 struct Options {
   std::string scenario, output;
@@ -77,11 +67,9 @@ int simulateScenario(Options& options, const GlobalOptions& global) {
   }
   options.job.output = options.output.empty() ? scenario.name + ".rawlog" : options.output;
   if (options.job.output.extension() != ".rawlog") options.job.output += ".rawlog";
-  options.job.quiet = global.quiet, options.job.stop = &stop_requested;
-  std::signal(SIGINT, requestStop);
-  Log log(global.quiet ? mrpt::system::LVL_WARN : global.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_INFO);
-  ThreadPool threads(options.threads > 0 ? options.threads
-                                         : std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  options.job.quiet = global.quiet, options.job.stop = stopOnSignals();
+  Log log(verbosity(global));
+  ThreadPool threads(threadsOr(options.threads));
   const sim::SimulationSummary summary = sim::simulate(scenario, options.job, {threads, log});
   print(summary, scenario, options);
   return static_cast<int>(summary.stopped ? ExitCode::kStopped : ExitCode::kDone);
