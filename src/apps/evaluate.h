@@ -16,9 +16,16 @@ struct EvaluationOptions {
   double stamp_tolerance_s = 0.01;                ///< how far outside the truth's time span a scan may lie
 };
 
+/// An accepted loop that the truth contradicts.
+struct FalseLoop {
+  KeyframeId query = 0, match = 0;
+  double trans_m = 0, rot_deg = 0;  ///< how far its measured pose is from the true one
+};
+
 struct LoopFigures {
   std::size_t candidates = 0, accepted = 0;
   std::size_t true_accepted = 0, false_accepted = 0;  ///< accepted loops without truth at both ends are neither
+  std::vector<FalseLoop> false_loops;                 ///< one by one
   std::size_t revisits = 0, revisits_closed = 0;      ///< keyframes that revisit; with a true accepted loop
   std::optional<double> precision, recall;            ///< absent where there is nothing to count
   double revisit_radius_m = 0;

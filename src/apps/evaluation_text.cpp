@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "scslam/apps/evaluate.h"
@@ -37,6 +38,10 @@ std::string evaluationJson(const Evaluation& e) {
                    {"true_accepted", e.loops.true_accepted}, {"false_accepted", e.loops.false_accepted},
                    {"precision", orNull(e.loops.precision)}, {"recall", orNull(e.loops.recall)},
                    {"revisits", e.loops.revisits},           {"revisit_radius_m", e.loops.revisit_radius_m}};
+  auto& false_loops = json["loops"]["false"] = Json::array();
+  for (const FalseLoop& loop : e.loops.false_loops)
+    false_loops.push_back(
+        {{"query", loop.query}, {"match", loop.match}, {"trans_m", loop.trans_m}, {"rot_deg", loop.rot_deg}});
   return json.dump(2) + "\n";
 }
 
@@ -55,6 +60,12 @@ std::string evaluationTable(const Evaluation& e) {
   text += fmt::format("  RPE over {} segments: {}\n", e.rpe.segments, lengths(e.rpe));
   text += fmt::format("loops\n  candidates {}, accepted {}: {} true, {} false\n", e.loops.candidates, e.loops.accepted,
                       e.loops.true_accepted, e.loops.false_accepted);
+  constexpr std::size_t kShown = 10;
+  const std::vector<FalseLoop>& wrong = e.loops.false_loops;
+  for (std::size_t i = 0; i < std::min(wrong.size(), kShown); ++i)
+    text += fmt::format("    {} -> {} is wrong by {:.2f} m, {:.1f} deg\n", wrong[i].query, wrong[i].match,
+                        wrong[i].trans_m, wrong[i].rot_deg);
+  if (wrong.size() > kShown) text += fmt::format("    and {} more (--json lists all)\n", wrong.size() - kShown);
   text += fmt::format("  precision {}\n",
                       share(e.loops.precision, e.loops.true_accepted, e.loops.true_accepted + e.loops.false_accepted));
   text += fmt::format("  recall    {} of the keyframes within {:g} m of an earlier place\n",

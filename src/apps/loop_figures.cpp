@@ -8,11 +8,10 @@
 namespace scslam {
 namespace {
 
-bool agrees(const LoopRecord& loop, const Pose& T_truth_match, const Pose& T_truth_query,
-            const EvaluationOptions& options) {
+/// The loop's measured pose against the true one.
+FalseLoop errorOf(const LoopRecord& loop, const Pose& T_truth_match, const Pose& T_truth_query) {
   const Pose difference = (T_truth_match.inverse() * T_truth_query).inverse() * loop.T_match_query;
-  return difference.translation().norm() <= options.loop_trans_m &&
-         rotationAngle(difference) * 180 / M_PI <= options.loop_rot_deg;
+  return {loop.query, loop.match, difference.translation().norm(), rotationAngle(difference) * 180 / M_PI};
 }
 
 /// Keyframes whose true position comes within the radius of an earlier one, enough way before.
@@ -57,9 +56,14 @@ LoopFigures loopFigures(const std::vector<LoopRecord>& loops, const std::vector<
     ++figures.accepted;
     const auto &match = T_truth_keyframe[loop.match], &query = T_truth_keyframe[loop.query];
     if (!match || !query) continue;
-    const bool is_true = agrees(loop, *match, *query, options);
-    ++(is_true ? figures.true_accepted : figures.false_accepted);
-    if (is_true) closed.insert(loop.query);
+    const FalseLoop error = errorOf(loop, *match, *query);
+    if (error.trans_m <= options.loop_trans_m && error.rot_deg <= options.loop_rot_deg) {
+      ++figures.true_accepted;
+      closed.insert(loop.query);
+    } else {
+      ++figures.false_accepted;
+      figures.false_loops.push_back(error);
+    }
   }
   for (const std::size_t k : revisits(T_truth_keyframe, options)) {
     ++figures.revisits;

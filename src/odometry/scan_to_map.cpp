@@ -144,7 +144,8 @@ ScanToMap::Guess ScanToMap::bestGuess(const Scan& scan, const Cloud& source) con
     const Pose T_step = T_recorded_->inverse() * *scan.T_odom_base;
     if (isRigid(T_step)) guesses.insert(guesses.begin(), {T_odom_base_ * T_step, recordedInformation(T_step)});
   }
-  if (moving_known_) guesses.push_back({T_odom_base_, Matrix6d::Zero()});
+  // Has it stopped? Between slow sweeps no robot does so suddenly, and some walls look alike from two places.
+  if (moving_known_ && !slowSweeps()) guesses.push_back({T_odom_base_, Matrix6d::Zero()});
   const Cloud few = thinned(source, 500);
   // A later guess must be clearly better: scores of near guesses differ by noise.
   std::size_t best = 0;
