@@ -39,19 +39,36 @@ void writeFirings(Simulation& simulation, const Outputs& out) {
   if (!file.flush()) throw inputError("cannot write {}", out(".firings.tum").string());
 }
 
+/// The sensor whose scans stand for places: the LiDAR, or the radar where there is none.
+struct Eye {
+  Pose T_base_sensor;
+  double sweep_s, max_range_m;
+  std::vector<std::uint32_t> sweeps;  ///< numbers of those in the rawlog
+};
+
+Eye eyeOf(Simulation& simulation) {
+  if (simulation.scenario().lidar.on || simulation.radar() == nullptr) {
+    const SensorModel& sensor = simulation.lidar().sensor();
+    return {sensor.T_base_sensor(), simulation.lidar().grid().sweep(), sensor.max_range_m, simulation.recorded()};
+  }
+  const RadarModel& radar = simulation.radar()->model();
+  Eye eye{radar.T_base_sensor(), radar.sweep(), radar.maxRange(), {}};
+  for (std::uint32_t k = 0; k < simulation.radarScans(); ++k) eye.sweeps.push_back(k);
+  return eye;
+}
+
 void writePlaces(Simulation& simulation, const Outputs& out, ThreadPool& threads, SimulationSummary& summary) {
   const TruthParams& truth = simulation.scenario().truth;
   if (!truth.loops && !truth.aliases) return;
-  const SensorModel& sensor = simulation.lidar().sensor();
-  const auto places = placesOf(simulation.drive(), sensor.T_base_sensor(), simulation.lidar().grid().sweep(),
-                               simulation.recorded(), truth.place_every_m);
+  const Eye eye = eyeOf(simulation);
+  const auto places = placesOf(simulation.drive(), eye.T_base_sensor, eye.sweep_s, eye.sweeps, truth.place_every_m);
   if (truth.loops) {
-    const auto found = revisits(places, simulation.scene(), sensor.max_range_m, truth.min_travel_m, threads);
+    const auto found = revisits(places, simulation.scene(), eye.max_range_m, truth.min_travel_m, threads);
     summary.revisits = found.size();
     writeFileAtomically(out(".loops.csv"), revisitsCsv(places, found));
   }
   if (truth.aliases) {
-    const auto found = aliases(places, simulation.scene(), sensor.max_range_m, threads);
+    const auto found = aliases(places, simulation.scene(), eye.max_range_m, threads);
     summary.aliases = found.size();
     writeFileAtomically(out(".aliases.csv"), aliasesCsv(places, found));
   }

@@ -90,6 +90,7 @@ void Scenario::describe(ParamVisitor& v) {
   v.group("faults", faults, "what goes wrong");
   v.group("truth", truth, "what is written beside the rawlog");
   v.group("expect", expect, "what SLAM must reach on it");
+  v.group("expect_radar", expect_radar, "and on the same drive with a radar instead of the LiDAR");
 }
 
 Scenario loadScenario(const std::string& name_or_file, const std::vector<std::string>& sets) {

@@ -83,7 +83,12 @@ struct Scenario : ParamSetOf<Scenario> {
   FaultParams faults;
   TruthParams truth;
   ExpectParams expect;
-  Scenario() { imu.enabled = gnss.enabled = false; }
+  ExpectParams expect_radar;  ///< of the same drive seen by the radar alone
+  Scenario() {
+    imu.enabled = gnss.enabled = false;
+    expect_radar.slam = false;
+    expect_radar.config = "radar";
+  }
   void describe(ParamVisitor& v) override;
   std::uint64_t worldSeed() const { return static_cast<std::uint64_t>(world.seed != 0 ? world.seed : seed); }
 };

@@ -136,11 +136,8 @@ struct Sweep {
 std::vector<Sweep> schedule(const Simulation& simulation) {
   std::vector<Sweep> sweeps;
   for (const std::uint32_t k : simulation.recorded()) sweeps.push_back({simulation.sweepStart(k), false, k});
-  if (const Radar* radar = simulation.radar()) {
-    const double period = radar->model().sweep();
-    for (std::uint32_t k = 0; (k + 1) * period <= simulation.drive().duration() + 1e-9; ++k)
-      sweeps.push_back({k * period, true, k});
-  }
+  for (std::uint32_t k = 0; k < simulation.radarScans(); ++k)
+    sweeps.push_back({k * simulation.radar()->model().sweep(), true, k});
   std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) { return a.start < b.start; });
   return sweeps;
 }

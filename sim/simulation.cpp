@@ -85,6 +85,10 @@ LidarScan Simulation::sweep(std::uint32_t number, ThreadPool& threads) {
   return scan;
 }
 
+std::uint32_t Simulation::radarScans() const {
+  return radar_ ? static_cast<std::uint32_t>((drive_->duration() + 1e-9) / radar_->model().sweep()) : 0;
+}
+
 RadarScan Simulation::radarSweep(std::uint32_t number, ThreadPool& threads) {
   const double start = number * radar_->model().sweep();
   poseActors(start, start + radar_->model().sweep());

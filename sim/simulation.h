@@ -29,6 +29,7 @@ class Simulation {
   std::vector<std::uint32_t> recorded() const;
   /// The radar's sweep `number`, from number / rate on; only when the scenario has a radar.
   const Radar* radar() const { return radar_.get(); }
+  std::uint32_t radarScans() const;  ///< sweeps that begin and end within the drive
   RadarScan radarSweep(std::uint32_t number, ThreadPool& threads);
 
   /// Sweep `number`, faults of the scenario applied.

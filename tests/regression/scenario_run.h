@@ -18,8 +18,8 @@ struct ScenarioFigures {
 
 /// Writes the scenario's rawlog and truth into `folder` (OUT = folder/drive).
 void simulateInto(const sim::Scenario& scenario, const std::filesystem::path& folder, ScenarioFigures& figures);
-/// Maps folder/drive.rawlog with the scenario's configuration and `sets`, into folder/session.
-void mapIn(const sim::Scenario& scenario, const std::filesystem::path& folder, const std::vector<std::string>& sets,
+/// Maps folder/drive.rawlog with the configuration of the bounds and `sets`, into folder/session.
+void mapIn(const sim::ExpectParams& expect, const std::filesystem::path& folder, const std::vector<std::string>& sets,
            ScenarioFigures& figures);
 /// Every bound of the scenario that the figures break, in words.
 std::vector<std::string> violations(const sim::ExpectParams& expect, const ScenarioFigures& figures);

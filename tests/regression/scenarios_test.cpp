@@ -21,14 +21,14 @@ void simulateInto(const sim::Scenario& scenario, const fs::path& folder, Scenari
   figures.sim_wall_s = summary.wall_s, figures.collision = summary.collision;
 }
 
-void mapIn(const sim::Scenario& scenario, const fs::path& folder, const std::vector<std::string>& sets,
+void mapIn(const sim::ExpectParams& expect, const fs::path& folder, const std::vector<std::string>& sets,
            ScenarioFigures& figures) {
   RunOptions options;
   options.input = (folder / "drive.rawlog").string();
   options.output = folder / "session";
   options.overwrite = options.quiet = true;
-  if (!scenario.expect.config.empty()) options.configs = {scenario.expect.config};
-  if (!scenario.expect.odometry.empty()) options.sets = {"odometry.frontend=" + scenario.expect.odometry};
+  if (!expect.config.empty()) options.configs = {expect.config};
+  if (!expect.odometry.empty()) options.sets = {"odometry.frontend=" + expect.odometry};
   options.sets.insert(options.sets.end(), sets.begin(), sets.end());
   const RunSummary summary = runJob(options, context());
   figures.run_wall_s = summary.wall_s;
@@ -80,16 +80,28 @@ namespace {
 
 class Scenarios : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(Scenarios, MeetTheirBounds) {
-  const sim::Scenario scenario = sim::loadScenario(GetParam(), {"truth.pictures=false"});
+void meetsItsBounds(const sim::Scenario& scenario, const sim::ExpectParams& expect, const std::string& name) {
   const fs::path folder = freshFolder();
   ScenarioFigures figures;
   simulateInto(scenario, folder, figures);
-  if (!scenario.expect.slam) return;
-  mapIn(scenario, folder, {}, figures);
-  std::cout << row(GetParam(), scenario.expect, figures) << std::endl;
-  EXPECT_THAT(violations(scenario.expect, figures), ::testing::IsEmpty());
+  if (!expect.slam) return;
+  mapIn(expect, folder, {}, figures);
+  std::cout << row(name, expect, figures) << std::endl;
+  EXPECT_THAT(violations(expect, figures), ::testing::IsEmpty());
   fs::remove_all(folder);
+}
+
+TEST_P(Scenarios, MeetTheirBounds) {
+  const sim::Scenario scenario = sim::loadScenario(GetParam(), {"truth.pictures=false"});
+  meetsItsBounds(scenario, scenario.expect, GetParam());
+}
+
+class ScenariosByRadar : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ScenariosByRadar, MeetTheirBounds) {
+  const sim::Scenario scenario =
+      sim::loadScenario(GetParam(), {"truth.pictures=false", "lidar.on=false", "radar.on=true"});
+  meetsItsBounds(scenario, scenario.expect_radar, GetParam() + " (radar)");
 }
 
 std::vector<std::string> shipped() {
@@ -98,8 +110,16 @@ std::vector<std::string> shipped() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, Scenarios, ::testing::ValuesIn(shipped()),
-                         [](const auto& scenario) { return scenario.param; });
+std::vector<std::string> forRadar() {
+  std::vector<std::string> names;
+  for (const std::string& name : shipped())
+    if (sim::loadScenario(name).expect_radar.slam) names.push_back(name);
+  return names;
+}
+
+const auto nameOf = [](const auto& scenario) { return scenario.param; };
+INSTANTIATE_TEST_SUITE_P(Shipped, Scenarios, ::testing::ValuesIn(shipped()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Shipped, ScenariosByRadar, ::testing::ValuesIn(forRadar()), nameOf);
 
 /// The net has no holes: with any one part broken, the bounds of the plainest scenario do not hold.
 TEST(Scenarios, NoticeABrokenPart) {
@@ -111,7 +131,7 @@ TEST(Scenarios, NoticeABrokenPart) {
        {"place.scan_context.max_distance=0.001", "registration.gates.max_rmse_m=0.001", "odometry.voxel_icp.voxel_m=8",
         "preprocess.max_range_m=6", "keyframe.distance_m=40"}) {
     // The other recognisers would stand in for a broken one; and a broken map is not worth a second look.
-    mapIn(scenario, folder, {breakage, "place.recognisers=[scan_context]", "place.look_again=false"}, figures);
+    mapIn(scenario.expect, folder, {breakage, "place.recognisers=[scan_context]", "place.look_again=false"}, figures);
     std::cout << row(breakage, {}, figures) << std::endl;
     EXPECT_THAT(violations(scenario.expect, figures), ::testing::Not(::testing::IsEmpty())) << breakage;
   }
@@ -122,6 +142,7 @@ TEST(Scenarios, AreAllThere) {
   std::vector<std::string> numbers;
   for (const std::string& name : shipped()) numbers.push_back(name.substr(0, 3));
   for (int k = 1; k <= 19; ++k) EXPECT_THAT(numbers, ::testing::Contains(fmt::format("s{:02}", k)));
+  EXPECT_THAT(forRadar(), ::testing::SizeIs(2));
 }
 
 }  // namespace
