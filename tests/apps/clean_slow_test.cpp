@@ -31,7 +31,7 @@ CleanSummary clean(const fs::path& session, const fs::path& labels, const fs::pa
 /// A drive among moving cars, mapped with poses that are its own truth's: what is scored is cleaning alone.
 CleanSummary cleanedDrive(const std::string& name, const fs::path& folder) {
   const sim::Scenario scenario =
-      sim::loadScenario(name, {"truth.pictures=false", "truth.labels=true", "drive.duration_s=10"});
+      sim::loadScenario(name, {"truth.pictures=false", "truth.labels=true", "drive.duration_s=12"});
   sim::SimulateOptions simulate;
   simulate.output = folder / "drive.rawlog";
   simulate.compression = 0, simulate.quiet = true;
@@ -46,13 +46,18 @@ CleanSummary cleanedDrive(const std::string& name, const fs::path& folder) {
 }
 
 TEST(CleanSimulated, TrafficGoesAndTheTownStays) {
-  for (const std::string name : {"s09_open_field"}) {
+  struct Bounds {
+    std::string name;
+    double aa, pr, rr;
+  };
+  for (const auto& [name, aa, pr, rr] : {Bounds{"s09_open_field", 0.97, 0.97, 0.97},
+                                         Bounds{"s05_junction_grid", 0.97, 0.97, 0.92}}) {  // people beside walls stay
     const CleanSummary summary = cleanedDrive(name, freshFolder() / name);
     std::cout << name << "\n" << cleanTable(summary);
     const CleanScore& score = summary.score.value();
-    EXPECT_GE(score.aa(), 0.95) << name;
-    EXPECT_GE(score.pr(), 0.97) << name;
-    EXPECT_GE(score.rr(), 0.90) << name;
+    EXPECT_GE(score.aa(), aa) << name;
+    EXPECT_GE(score.pr(), pr) << name;
+    EXPECT_GE(score.rr(), rr) << name;
   }
 }
 
@@ -111,8 +116,8 @@ TEST(CleanReal, PandaSetIsCleanedBetterThanByAPlainOctoMap) {
   std::cout << cleanTable(ours)
             << fmt::format("plain OctoMap: SA {:.4f} DA {:.4f} AA {:.4f} PR {:.4f} RR {:.4f}\n", plain.sa(), plain.da(),
                            plain.aa(), plain.pr(), plain.rr());
-  EXPECT_GT(ours.score->aa(), plain.aa() + 0.02);
-  EXPECT_GT(ours.score->sa(), 0.97);
+  EXPECT_GT(ours.score->aa(), plain.aa() + 0.05);
+  EXPECT_GT(ours.score->sa(), 0.96);
 }
 
 TEST(CleanReal, AClassicSessionOfScALoamIsCleaned) {

@@ -29,6 +29,7 @@ void CleanParams::describe(ParamVisitor& v) {
   v.field("margin_per_m", margin_per_m, "and this much more for each metre of its range", 0, 1);
   v.field("sky_m", sky_m, "up to this range beams without any return looked through; 0: they say nothing [m]", 0, 1e4);
   v.field("min_free", min_free, "scans that must have looked through a point", 1, 255);
+  v.field("sure_free", sure_free, "what so many looked through and none saw goes, whatever is around it", 1, 255);
   v.field("free_share", free_share, "and their share among all that saw its place", 0, 1);
   v.field("object_height_m", object_height_m, "what reaches higher above the ground is taken apart into things [m]", 0,
           10);

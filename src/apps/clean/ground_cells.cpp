@@ -10,6 +10,9 @@ namespace {
 constexpr float kCell_m = 0.5F, kReach_m = 40;
 /// Of the lowest points that the scans have of a cell this quantile is the ground: the very lowest are errors of range.
 constexpr double kQuantile = 0.25;
+/// The ground rises by no more than this towards a cell from those around it; what seems to hid it.
+constexpr float kSlope = 0.3F;
+constexpr std::int32_t kAround = 4;  ///< cells
 
 VoxelKey cellOf(const Eigen::Vector3f& p, std::int32_t dx = 0, std::int32_t dy = 0) {
   return packVoxel(floorToInt(p.x() / kCell_m) + dx, floorToInt(p.y() / kCell_m) + dy, 0);
@@ -44,6 +47,17 @@ GroundCells::GroundCells(const std::vector<const std::vector<LowPoint>*>& scans)
     const auto at = cell.begin() + static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(cell.size() - 1));
     std::nth_element(cell.begin(), at, cell.end());
     z_.push_back(*at);
+  }
+  const std::vector<float> seen = z_;
+  for (std::uint32_t cell = 0; cell < z_.size(); ++cell) {
+    const VoxelCoord at = unpackVoxel(index_.keys()[cell]);
+    for (std::int32_t dy = -kAround; dy <= kAround; ++dy)
+      for (std::int32_t dx = -kAround; dx <= kAround; ++dx) {
+        const std::uint32_t other = index_.find(packVoxel(at + VoxelCoord(dx, dy, 0)));
+        if (other == VoxelIndex::kAbsent) continue;
+        const float away_m = kCell_m * std::hypot(static_cast<float>(dx), static_cast<float>(dy));
+        z_[cell] = std::min(z_[cell], seen[other] + kSlope * away_m);
+      }
   }
 }
 

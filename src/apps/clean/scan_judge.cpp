@@ -7,12 +7,12 @@
 namespace scslam {
 namespace {
 
-enum class Say : std::uint8_t { kNothing, kStood, kMoved };
+enum class Say : std::uint8_t { kNothing, kStood, kMoved, kSurelyMoved };
 
 /// Points that stood and that moved, of a cell, a group or an object.
 struct Tally {
   std::size_t stood = 0, moved = 0;
-  void add(Say say) { stood += say == Say::kStood, moved += say == Say::kMoved; }
+  void add(Say say) { stood += say == Say::kStood, moved += say >= Say::kMoved; }
   void add(const Tally& other) { stood += other.stood, moved += other.moved; }
   double share() const { return moved == 0 ? 0 : static_cast<double>(moved) / static_cast<double>(moved + stood); }
 };
@@ -25,9 +25,10 @@ std::vector<Say> whatViewsSay(const SightVotes& soon, const SightVotes& later, c
   };
   for (std::size_t i = 0; i < says.size(); ++i) {
     const int free = soon.free[i] + later.free[i], surface = soon.surface[i] + later.surface[i];
-    says[i] = moved(soon.free[i], soon.surface[i]) || moved(free, surface) ? Say::kMoved
-              : surface > 0                                                ? Say::kStood
-                                                                           : Say::kNothing;
+    says[i] = surface == 0 && free >= params.sure_free                       ? Say::kSurelyMoved
+              : moved(soon.free[i], soon.surface[i]) || moved(free, surface) ? Say::kMoved
+              : surface > 0                                                  ? Say::kStood
+                                                                             : Say::kNothing;
   }
   return says;
 }
@@ -96,10 +97,10 @@ class Judge {
 
   void decide(std::size_t point, std::uint32_t cell) {
     const Say say = says_[point];
-    const bool goes =
-        cell != ScanCells::kNone && (fate_[cell] == Cell::kWhole || (fate_[cell] == Cell::kPart && say != Say::kStood));
+    const bool goes = cell != ScanCells::kNone && (say == Say::kSurelyMoved || fate_[cell] == Cell::kWhole ||
+                                                   (fate_[cell] == Cell::kPart && say != Say::kStood));
     result_.dynamic[point] = goes ? 1 : 0;
-    result_.completed += goes && say != Say::kMoved;
+    result_.completed += goes && say < Say::kMoved;
     result_.reverted += !goes && say == Say::kMoved;
   }
 
@@ -120,10 +121,10 @@ class Judge {
     if (feet.empty()) return;
     for (std::size_t i = 0; i < cloud_.size(); ++i) {
       if (upright_[i] != 0 || !cloud_.point(i).allFinite() || !feet.contains(footOf(i))) continue;
-      const bool goes = height_[i] >= params_.ground_height_m || says_[i] == Say::kMoved;
+      const bool goes = height_[i] >= params_.ground_height_m || says_[i] >= Say::kMoved;
       if (!goes) continue;
       result_.dynamic[i] = 1;
-      result_.completed += says_[i] != Say::kMoved;
+      result_.completed += says_[i] < Say::kMoved;
     }
   }
 
