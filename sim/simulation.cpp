@@ -127,8 +127,9 @@ std::string Simulation::collision() const {
     const Vector3d way = to.translation() - from.translation();
     travel += way.norm();
     if (way.norm() < 0.02) continue;
-    for (const double side : {-0.7, 0.0, 0.7}) {
-      const Vector3d body(0, side, 1.0);
+    // Low ahead of the wheels, which climb on what they reach; and higher up.
+    for (const Vector3d& body : {Vector3d(1.6, -0.8, 0.4), Vector3d(1.6, 0, 0.4), Vector3d(1.6, 0.8, 0.4),
+                                 Vector3d(0, -0.8, 1.0), Vector3d(0, 0, 1.0), Vector3d(0, 0.8, 1.0)}) {
       const auto hit =
           scene_->first(from * body, (to * body - from * body).normalized(), (to * body - from * body).norm());
       if (!hit || hit->surface.label >= 250) continue;
