@@ -27,6 +27,16 @@ bool near(const Pose& A, const Pose& B, double metres, double degrees) {
   return d.head<3>().norm() <= metres && d.tail<3>().norm() <= degrees * M_PI / 180;
 }
 
+/// Of a pose in the map that was measured by registration. Planar scans say nothing of height, roll and pitch; there
+/// the robot stands as it stood when the map was made.
+Matrix6d informationOf(const LoopRecord& record, const GraphParams& graph, bool planar) {
+  const double kStands_m = 0.1, kStands_deg = 1;
+  Matrix6d information = withFloor(record.information, graph.loop_floor_m, graph.loop_floor_deg);
+  if (planar)
+    information.diagonal().segment<3>(2) += variances(kStands_m, kStands_deg).diagonal().segment<3>(2).cwiseInverse();
+  return information;
+}
+
 /// The session's stored descriptors are of use when it was made with the same recogniser.
 bool sameFirstRecogniser(const SavedMap& map, const PlaceParams& params) {
   if (map.session().info().config_yaml.empty()) return false;
@@ -148,7 +158,7 @@ std::optional<Localiser::Fix> Localiser::recognised(const Keyframe& here, const 
         note = "ambiguous: two places of the map fit";
         return std::nullopt;
       }
-      const Matrix6d information = withFloor(record.information, slam_.graph.loop_floor_m, slam_.graph.loop_floor_deg);
+      const Matrix6d information = informationOf(record, slam_.graph, planar_);
       found = Fix{T_map_base, symmetric(information.inverse()), candidate.match};
     }
   }
@@ -220,7 +230,7 @@ Whereabouts Localiser::track(const OdometryStep& step, const Cloud& thinned) {
                   {T_match_base, at.covariance + variances(kPrediction_m, kPrediction_deg), at.since_match_m}, planar_);
   }
   if (record.accepted) {
-    const Matrix6d measured = withFloor(record.information, slam_.graph.loop_floor_m, slam_.graph.loop_floor_deg);
+    const Matrix6d measured = informationOf(record, slam_.graph, planar_);
     const Matrix6d covariance = symmetric((Matrix6d(at.covariance.inverse()) + measured).inverse());
     const Vector6d correction = covariance * measured * local(at.T_map_base, T_map_match * record.T_match_query);
     at.T_map_base = retract(at.T_map_base, correction);
