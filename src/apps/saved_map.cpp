@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "scslam/apps/point_map/point_map.h"
 #include "scslam/core/bytes.h"
 #include "scslam/core/error.h"
 #include "scslam/core/log.h"
@@ -46,6 +47,12 @@ SavedMap::SavedMap(Session session, const Pose& T_base_sensor, double voxel_m, s
 std::string SavedMap::name() const {
   const std::filesystem::path folder = std::filesystem::absolute(session_.folder()).lexically_normal();
   return folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
+}
+
+bool SavedMap::rigid() const { return session_.info().input_format == kPointMap; }
+
+std::filesystem::path SavedMap::origin() const {
+  return rigid() ? std::filesystem::path(session_.info().input) : session_.folder();
 }
 
 void SavedMap::takeKeyframes() {

@@ -22,7 +22,9 @@ class SavedMap {
   SavedMap(Session session, const Pose& T_base_sensor, double voxel_m, std::size_t cache_bytes);
 
   const Session& session() const { return session_; }
-  std::string name() const;  ///< its folder's
+  std::string name() const;              ///< its folder's
+  bool rigid() const;                    ///< a surveyed map: its keyframes do not move against each other
+  std::filesystem::path origin() const;  ///< its folder, or the file it was made of
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::vector<Pose>& poses() const { return T_map_base_; }  ///< per keyframe
   const std::vector<LoopRecord>& loops() const { return loops_; }

@@ -57,10 +57,11 @@ int run(LocalizeFlags flags, const GlobalOptions& global) {
 }  // namespace
 
 Verb localizeVerb() {
-  return {"localize", "where in a saved session is this recording? no start pose needed", [](CLI::App& app) {
+  return {"localize", "where in a saved session or point map is this recording? no start pose needed",
+          [](CLI::App& app) {
             auto flags = std::make_shared<LocalizeFlags>();
             LocalizeOptions& options = flags->options;
-            app.add_option("SESSION", options.session, "session folder, ours or classic");
+            app.add_option("SESSION", options.session, "session folder, ours or classic, or a point map (.ply, .pcd)");
             app.add_option("INPUT", options.input, "what `run` reads");
             app.add_option("-o,--output", options.output,
                            "OUT of OUT.tum and OUT.csv (default: INPUT's name + .localized, here)");

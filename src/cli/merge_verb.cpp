@@ -48,10 +48,11 @@ int run(MergeFlags flags, const GlobalOptions& global) {
 }  // namespace
 
 Verb mergeVerb() {
-  return {"merge", "saved sessions -> one session in one frame, without start poses", [](CLI::App& app) {
+  return {"merge", "saved sessions and point maps -> one session in one frame, without start poses", [](CLI::App& app) {
             auto flags = std::make_shared<MergeFlags>();
             app.add_option("SESSION", flags->options.sessions,
-                           "two session folders or more, ours or classic, any order");
+                           "two or more, any order: session folders, ours or classic, and point maps (.ply, .pcd) made "
+                           "by others, whose frame is then the result's");
             app.add_option("-o,--output", flags->options.output, "folder of the merged session");
             app.add_option("-c,--config", flags->options.configs,
                            "configuration over that of the longest session: file or shipped name");

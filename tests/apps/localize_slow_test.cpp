@@ -4,6 +4,7 @@
 #include "scslam/core/counter_random.h"
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
+#include "scslam/mapping/map_builder.h"
 
 namespace scslam::test {
 namespace {
@@ -35,6 +36,20 @@ TEST(Localize, AnotherDriveIsFoundByItsSecondScanAndTracked) {
   EXPECT_EQ(readTrajectory(options.output.string() + ".tum").poses.size(), summary.tracked);
   const std::string csv = readFile(options.output.string() + ".csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), summary.scans + 1);
+}
+
+TEST(Localize, AMapMadeByOthersServesAsWell) {
+  const ThreeDrives& drives = threeDrives();
+  const fs::path folder = freshFolder();
+  exportMap(Session::open(drives.first.folder), {"ply"}, {}, folder, context(2));
+  LocalizeOptions options = optionsFor(drives.first, drives.second, folder / "l");
+  options.session = folder / "map.ply";
+  options.session_truth = fs::path();
+  const LocalizeSummary summary = localize(options, context(2));
+  EXPECT_LE(summary.first_fix_scan.value_or(99), 4u);
+  EXPECT_GT(summary.tracked, 0.8 * static_cast<double>(summary.scans));
+  EXPECT_LT(summary.error->rmse_m, 0.2);
+  EXPECT_FALSE(fs::exists(folder / "l.maps"));
 }
 
 TEST(Localize, SameBytesForAnyNumberOfThreads) {

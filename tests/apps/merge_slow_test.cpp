@@ -9,6 +9,7 @@
 #include "scslam/apps/merge/merge.h"
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
+#include "scslam/mapping/map_builder.h"
 #include "scslam/session/session.h"
 
 namespace scslam::test {
@@ -126,6 +127,29 @@ TEST(Merge, OdometryDoesNotJoinTheEndOfOneParentToTheBeginOfTheNext) {
   }
   EXPECT_EQ(odometry, session.keyframes().size() - 2);
   EXPECT_GE(across, 5u);
+}
+
+TEST(Merge, AMapMadeByOthersHoldsStillAndTheSessionComesIntoItsFrame) {
+  const ThreeDrives& drives = threeDrives();
+  const Session first = Session::open(drives.first.folder), second = Session::open(drives.second.folder);
+  const fs::path folder = freshFolder();
+  exportMap(first, {"ply"}, {}, folder, context(2));
+  MergeOptions options = mergeOf({&drives.second}, folder / "merged");
+  options.truths.clear();
+  options.sessions.push_back(folder / "map.ply");
+  const MergeSummary summary = mergeSessions(options, context(2));
+  ASSERT_EQ(summary.parents.size(), 2u);
+  EXPECT_EQ(summary.parents[0].folder, folder / "map.ply");
+  EXPECT_EQ(summary.parents[0].name, "map");
+  EXPECT_THAT(summary.parents[0].T_map_parent, IsNear(Pose::Identity(), 1e-9, 1e-6));
+  EXPECT_GE(summary.pairs[0].loops, 10u);
+  const Pose T_first_world = first.poses()[0] * drives.first.T_world_base[0].inverse();
+  const Session merged = Session::open(folder / "merged");
+  for (const Keyframe& keyframe : second.keyframes()) {
+    const Pose T_true = T_first_world * drives.second.T_world_base[keyframe.scan_index];
+    EXPECT_THAT(merged.poses()[summary.parents[1].first_keyframe + keyframe.id], IsNear(T_true, 0.35, 1.0));
+  }
+  EXPECT_FALSE(fs::exists(folder / "merged.maps"));
 }
 
 /// LT-removert's reader: 12 numbers a line, row-major, one line per scan of the parent.

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "scslam/apps/clean/ground_cells.h"
+#include "scslam/apps/ground_cells.h"
 #include "scslam/apps/clean/sight_image.h"
 #include "scslam/apps/saved_map.h"
 

@@ -181,7 +181,12 @@ void take(Drive& drive, ScanSource& source, Scan first, const LocalizeOptions& o
 
 LocalizeSummary localize(const LocalizeOptions& options, const PluginContext& context) {
   const auto start = Clock::now();
-  Session session = Session::open(options.session);
+  LocalizeConfig given;  // before the session's own: how a point map is looked at
+  for (const auto& file : options.configs) loadConfig(given, file);
+  for (const auto& assignment : options.sets) setParam(given, assignment);
+  PointMapSessions point_maps(options.output);
+  Session session =
+      Session::open(point_maps.sessionFor(options.session, given.point_map, context, options.quiet, options.stop));
   const LocalizeConfig config = resolveConfig(options, session, context);
   OpenOptions open;
   open.label = options.label;

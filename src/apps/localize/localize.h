@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scslam/apps/localize/localiser.h"
+#include "scslam/apps/point_map/point_map.h"
 #include "scslam/core/trajectory.h"
 
 namespace scslam {
@@ -15,14 +16,16 @@ namespace scslam {
 struct LocalizeConfig : ParamSetOf<LocalizeConfig> {
   SlamParams slam;
   LocalizeParams localize;
+  PointMapParams point_map;
   void describe(ParamVisitor& v) override {
     slam.describe(v);
     v.group("localize", localize, "when a place is believed, when the robot is lost");
+    v.group("point_map", point_map, "how a point map (.ply, .pcd) is looked at");
   }
 };
 
 struct LocalizeOptions {
-  std::filesystem::path session;
+  std::filesystem::path session;  ///< or a point map (.ply, .pcd) that somebody else made
   std::string input;
   std::vector<std::string> configs, sets;  ///< over the session's own configuration
   std::string label, sensor;

@@ -33,6 +33,7 @@ void MergeParams::describe(ParamVisitor& v) {
   v.field("max_loops", max_loops, "candidates of a pair registered in this second round at most", 0, 10000000);
   v.field("max_contradictions", max_contradictions,
           "share of them that may see through the other session's walls before the pair is taken apart", 0, 1);
+  v.group("point_map", point_map, "how a point map (.ply, .pcd) is looked at");
 }
 
 namespace {
@@ -41,6 +42,7 @@ struct Input {
   Session session;
   std::filesystem::path truth;
   std::string digest;
+  bool isPointMap() const { return session.info().input_format == kPointMap; }
 };
 
 /// A session and all that went into it.
@@ -66,14 +68,20 @@ void refuseRelatives(const std::vector<Input>& inputs) {
 }
 
 /// Opened and put in an order of their own: by time, then by content.
-std::vector<Input> openInputs(const MergeOptions& options) {
+std::vector<Input> openInputs(const MergeOptions& options, PointMapSessions& point_maps, const PluginContext& context) {
   if (options.sessions.size() < 2) throw usageError("merge needs two sessions or more");
   if (!options.truths.empty() && options.truths.size() != options.sessions.size())
     throw usageError("{} sessions but {} files with --gt: one for each session, in their order",
                      options.sessions.size(), options.truths.size());
+  MergeConfig config;  // before the sessions' own: how point maps are looked at
+  for (const auto& file : options.configs) loadConfig(config, file);
+  for (const auto& assignment : options.sets) setParam(config, assignment);
   std::vector<Input> inputs;
   for (std::size_t i = 0; i < options.sessions.size(); ++i) {
-    Session session = Session::open(options.sessions[i]);
+    if (isPointMap(options.sessions[i]) && !options.truths.empty())
+      throw usageError("{} is a point map and has no true trajectory: leave --gt out", options.sessions[i].string());
+    Session session = Session::open(
+        point_maps.sessionFor(options.sessions[i], config.merge.point_map, context, options.quiet, options.stop));
     std::string digest = contentDigest(session);
     inputs.push_back({std::move(session), options.truths.empty() ? "" : options.truths[i], std::move(digest)});
   }
@@ -86,11 +94,13 @@ std::vector<Input> openInputs(const MergeOptions& options) {
   return inputs;
 }
 
-/// Whose base frame and configuration the others take.
+/// Whose base frame and configuration the others take: the longest one that was recorded.
 const Session& longestOf(const std::vector<Input>& inputs) {
-  return std::max_element(
-             inputs.begin(), inputs.end(),
-             [](const Input& p, const Input& q) { return p.session.keyframes().size() < q.session.keyframes().size(); })
+  const auto length = [](const Input& input) {
+    return std::pair(!input.isPointMap(), input.session.keyframes().size());
+  };
+  return std::max_element(inputs.begin(), inputs.end(),
+                          [&](const Input& p, const Input& q) { return length(p) < length(q); })
       ->session;
 }
 
@@ -105,10 +115,10 @@ MergeConfig resolveConfig(const MergeOptions& options, const Session& reference,
 
 void checkAlike(const std::vector<SavedMap>& maps, const MergeParams& params, const PluginContext& context) {
   const SessionInfo& first = maps.front().session().info();
-  const std::string first_folder = maps.front().session().folder().string();
+  const std::string first_folder = maps.front().origin().string();
   for (const SavedMap& map : maps) {
     const SessionInfo& info = map.session().info();
-    const std::string folder = map.session().folder().string();
+    const std::string folder = map.origin().string();
     if (map.keyframes().size() < static_cast<std::size_t>(params.min_loops))
       throw inputError("{} holds {} keyframe{} with a scan; merging needs {} loops that agree (merge.min_loops)",
                        folder, map.keyframes().size(), map.keyframes().size() == 1 ? "" : "s", params.min_loops);
@@ -119,7 +129,7 @@ void checkAlike(const std::vector<SavedMap>& maps, const MergeParams& params, co
     if (map.keyframesWithoutScan() > 0)
       logWarn(context.log, "{}: {} of {} keyframes have no scan and are left out", folder, map.keyframesWithoutScan(),
               map.session().keyframes().size());
-    if (info.sensor_table != first.sensor_table)
+    if (info.sensor_table != first.sensor_table && !map.rigid() && !maps.front().rigid())
       logWarn(context.log, "{} and {} were made with different sensor tables ('{}', '{}')", first_folder, folder,
               first.sensor_table, info.sensor_table);
   }
@@ -201,8 +211,7 @@ MergeSummary summarise(const std::vector<SavedMap>& maps, const std::vector<std:
   MergeSummary summary;
   const MemberPlaces places = placesOf(maps, joined);
   for (std::size_t s = 0; s < maps.size(); ++s) {
-    MergedParent parent{maps[s].session().folder(), names[s], maps[s].keyframes().size(),
-                        maps[s].keyframesWithoutScan()};
+    MergedParent parent{maps[s].origin(), names[s], maps[s].keyframes().size(), maps[s].keyframesWithoutScan()};
     parent.joined = !joined.T_map_base[s].empty();
     if (parent.joined) {
       parent.first_keyframe = places.first_keyframe[s];
@@ -262,8 +271,9 @@ void dropLoopsOfRefusedPairs(std::vector<SessionPair>& pairs) {
 
 MergeSummary mergeSessions(const MergeOptions& options, const PluginContext& context) {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<Input> inputs = openInputs(options);
   PartialFolder partial(options.output, options.sessions, sessionResult(), options.overwrite);
+  PointMapSessions point_maps(options.output);
+  std::vector<Input> inputs = openInputs(options, point_maps, context);
   const SessionInfo reference = longestOf(inputs).info();
   const MergeConfig config = resolveConfig(options, longestOf(inputs), context);
   const Pose T_base_sensor = reference.T_base_sensor;

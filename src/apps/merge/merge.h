@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "scslam/apps/point_map/point_map.h"
 #include "scslam/core/trajectory.h"
 #include "scslam/pipeline/slam_params.h"
 
@@ -25,6 +26,7 @@ struct MergeParams : ParamSetOf<MergeParams> {
   double radius_m = 5, loop_distance_m = 3;
   int max_loops = 200;
   double max_contradictions = 0.5;
+  PointMapParams point_map;
   void describe(ParamVisitor& v) override;
 };
 
@@ -39,8 +41,10 @@ struct MergeConfig : ParamSetOf<MergeConfig> {
 };
 
 struct MergeOptions {
-  std::vector<std::filesystem::path> sessions;  ///< two or more, in any order
-  std::vector<std::string> configs, sets;       ///< over the configuration of the longest session
+  /// Two or more, in any order: sessions, and point maps (.ply, .pcd) that somebody else made. A point map does not
+  /// bend; its frame is the result's.
+  std::vector<std::filesystem::path> sessions;
+  std::vector<std::string> configs, sets;  ///< over the configuration of the longest session
   std::filesystem::path output;
   /// True trajectories of the sessions, in their order and in one world frame, for the figures; empty: none.
   std::vector<std::filesystem::path> truths;
@@ -50,8 +54,8 @@ struct MergeOptions {
 
 /// A parent as the merge saw it.
 struct MergedParent {
-  std::filesystem::path folder;
-  std::string name;  ///< of its folder, made unique
+  std::filesystem::path folder;  ///< or point map
+  std::string name;              ///< of its folder, made unique
   std::size_t keyframes = 0, keyframes_without_scan = 0;
   bool joined = false;  ///< is in the result
   KeyframeId first_keyframe = 0;

@@ -69,12 +69,14 @@ class UnionGraph {
     const SavedMap& map = maps_[s];
     first_[s] = static_cast<std::uint32_t>(graph_.poses.size());
     graph_.planar = map.keyframes().front().planar;
+    const bool hold = map.rigid() && graph_.fixed.empty();  // two surveyed maps may yet move against each other
     for (std::size_t k = 0; k < map.keyframes().size(); ++k) {
       const auto node = static_cast<std::uint32_t>(first_[s] + k);
       if (k > 0 && !beginsAnew(map.keyframes()[k]))
         graph_.factors.push_back(
             odometryFactor(map.keyframes()[k - 1], map.keyframes()[k], node - 1, node, slam_.graph));
       graph_.poses.push_back(T_map_session * map.poses()[k]);
+      if (hold) graph_.fixed.push_back(node);
     }
     for (LoopRecord& loop : own_loops) addLoop(loop, s, s);
     for (GnssRecord record : map.gnss()) {

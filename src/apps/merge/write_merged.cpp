@@ -94,7 +94,7 @@ std::string parentsCsv(const std::vector<SavedMap>& maps, const std::vector<std:
     text += fmt::format("{},{},{},{},{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", parent++,
                         csvField(names[s]), places.first_keyframe[s], maps[s].keyframes().size(), places.first_scan[s],
                         maps[s].scans().size(), std::chrono::duration<double>(places.time_offset[s]).count(), t.x(),
-                        t.y(), t.z(), q.x(), q.y(), q.z(), q.w(), csvField(maps[s].session().folder().string()));
+                        t.y(), t.z(), q.x(), q.y(), q.z(), q.w(), csvField(maps[s].origin().string()));
   }
   return text;
 }

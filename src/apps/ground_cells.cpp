@@ -1,4 +1,4 @@
-#include "scslam/apps/clean/ground_cells.h"
+#include "scslam/apps/ground_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 namespace scslam {
 namespace {
 
-constexpr float kCell_m = 0.5F, kReach_m = 40;
+constexpr float kCell_m = GroundCells::kCell_m;
 /// Of the lowest points that the scans have of a cell this quantile is the ground: the very lowest are errors of range.
 constexpr double kQuantile = 0.25;
 /// The ground rises by no more than this towards a cell from those around it; what seems to hid it.
@@ -20,12 +20,12 @@ VoxelKey cellOf(const Eigen::Vector3f& p, std::int32_t dx = 0, std::int32_t dy =
 
 }  // namespace
 
-std::vector<LowPoint> lowPoints(const Cloud& cloud_map, const Eigen::Vector3f& sensor_map) {
+std::vector<LowPoint> lowPoints(const Cloud& cloud_map, const Eigen::Vector3f& sensor_map, float reach_m) {
   VoxelIndex index;
   std::vector<float> lowest;
   for (std::size_t i = 0; i < cloud_map.size(); ++i) {
     const Eigen::Vector3f p = cloud_map.point(i);
-    if (!p.allFinite() || (p - sensor_map).head<2>().norm() > kReach_m) continue;
+    if (!p.allFinite() || (p - sensor_map).head<2>().norm() > reach_m) continue;
     const std::uint32_t cell = index.findOrInsert(cellOf(p));
     if (cell == lowest.size()) lowest.push_back(p.z());
     lowest[cell] = std::min(lowest[cell], p.z());
