@@ -79,8 +79,8 @@ Verb exportVerb() {
                    "--frame", flags->frame,
                    "map, enu or utm: on Earth where the session has satellite fixes; georeference.yaml says how")
                 ->check(CLI::IsMember({"map", "enu", "utm"}));
-            app.add_option("--min-range", flags->min_range_m, "leave out points nearer than this [m]");
-            app.add_option("--max-range", flags->max_range_m, "leave out points further than this [m]");
+            app.add_option("--min-range", flags->min_range_m, "leave out what a scan measured nearer than this [m]");
+            app.add_option("--max-range", flags->max_range_m, "or further than this [m]");
             app.add_option("-o,--output", flags->output, "folder (default: SESSION/map)");
             app.add_option("--threads", flags->threads,
                            "threads (default: all cores); the result is the same for any number");

@@ -112,11 +112,14 @@ class MapBuild {
  private:
   MapInfo infoOf(const std::filesystem::path& out_folder) const {
     const SessionInfo& of = session_.info();
-    MapInfo info{out_folder,        options_.voxel_m.value_or(0),
-                 of.planar,         frame_.name(),
-                 frame_.offset_m(), session_.trajectory(),
-                 session_.graph(),  of.input,
-                 of.sensor_label,   of.sensor_table};
+    MapInfo info;
+    info.folder = out_folder;
+    info.voxel_m = options_.voxel_m.value_or(0);
+    info.min_range_m = options_.min_range_m, info.max_range_m = options_.max_range_m;
+    info.planar = of.planar;
+    info.frame = frame_.name(), info.offset_m = frame_.offset_m();
+    info.trajectory = session_.trajectory(), info.graph = session_.graph();
+    info.input = of.input, info.sensor_label = of.sensor_label, info.sensor_table = of.sensor_table;
     for (StampedPose& pose : info.trajectory) pose.T = frame_(pose.T);
     for (Pose& T : info.graph.poses) T = frame_(T);
     return info;

@@ -15,8 +15,9 @@ namespace scslam {
 
 /// What is true of the whole map; known before the first tile.
 struct MapInfo {
-  std::filesystem::path folder;  ///< where the exporter writes, exists
-  double voxel_m = 0;            ///< resolution asked for; 0 = the format's own default
+  std::filesystem::path folder;               ///< where the exporter writes, exists
+  double voxel_m = 0;                         ///< resolution asked for; 0 = the format's own default
+  double min_range_m = 0, max_range_m = 1e9;  ///< of a scan; tiles hold no others
   bool planar = false;
   std::string frame = "map";                           ///< of all poses and points (map_frame.h)
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< to be added to coordinates where that frame is UTM

@@ -146,6 +146,17 @@ TEST(RadarPowerMap, ShowsAWallWhereItStands) {
   EXPECT_THAT(readFile(folder / "map" / "radar_power.yaml"), HasSubstr("resolution: 0.1"));
 }
 
+TEST(RadarPowerMap, EndsWhereItsRangeEnds) {
+  const fs::path folder = memoryFolder();
+  const Session session = driveThroughTheRoom(folder);
+  MapOptions options;
+  options.max_range_m = 2;
+  exportMap(session, {"radar_power"}, options, folder / "near", context(2));
+  exportMap(session, {"radar_power"}, {}, folder / "all", context(2));
+  const auto bytes = [&folder](const char* map) { return fs::file_size(folder / map / "radar_power.png"); };
+  EXPECT_LT(2 * bytes("near"), bytes("all"));
+}
+
 TEST(RadarPowerMap, NeedsTheImages) {
   const fs::path folder = memoryFolder();
   const Session session = driveThroughTheRoom(folder);

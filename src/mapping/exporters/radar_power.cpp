@@ -91,6 +91,8 @@ class RadarPowerExporter final : public MapExporter {
   void begin(const MapInfo& info) override {
     folder_ = info.folder, offset_m_ = info.offset_m;
     cell_m_ = info.voxel_m > 0 ? info.voxel_m : kDefaultCell;
+    params_.min_range_m = std::max(params_.min_range_m, info.min_range_m);
+    params_.max_range_m = std::min(params_.max_range_m, info.max_range_m);
     sweeps_ = std::make_unique<RadarSweeps>(info, context_);
   }
   void add(const MapTile&) override {}
