@@ -150,7 +150,7 @@ TEST(RadarPowerMap, EndsWhereItsRangeEnds) {
   const fs::path folder = memoryFolder();
   const Session session = driveThroughTheRoom(folder);
   MapOptions options;
-  options.max_range_m = 2;
+  options.max_range_m = 4;
   exportMap(session, {"radar_power"}, options, folder / "near", context(2));
   exportMap(session, {"radar_power"}, {}, folder / "all", context(2));
   const auto bytes = [&folder](const char* map) { return fs::file_size(folder / map / "radar_power.png"); };
