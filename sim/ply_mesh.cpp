@@ -11,19 +11,19 @@
 
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
+#include "scslam/core/ply_scalar.h"
 
 namespace scslam::sim {
 
 namespace {
 
-enum class Scalar { kI8, kU8, kI16, kU16, kI32, kU32, kF32, kF64 };
 enum class Format { kAscii, kLittle, kBig };
 
 struct Property {
   std::string name;
-  Scalar type = Scalar::kF32;
+  PlyScalar type = PlyScalar::kF32;
   bool is_list = false;
-  Scalar count_type = Scalar::kU8;
+  PlyScalar count_type = PlyScalar::kU8;
 };
 
 struct Element {
@@ -38,18 +38,10 @@ struct Header {
   std::size_t end = 0;  ///< first byte of the data
 };
 
-std::size_t sizeOf(Scalar type) {
-  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<std::size_t>(type)];
-}
-
-Scalar scalarOf(const std::string& word, const std::string& file) {
-  constexpr const char* kNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                                       {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                                       {"float", "float32"}, {"double", "float64"}};
-  for (std::size_t i = 0; i < std::size(kNames); ++i)
-    if (word == kNames[i][0] || word == kNames[i][1]) return static_cast<Scalar>(i);
-  throw inputError("{}: '{:.40}' is no PLY type", file, word);
+PlyScalar scalarOf(const std::string& word, const std::string& file) {
+  const auto type = plyScalar(word);
+  if (!type) throw inputError("{}: '{:.40}' is no PLY type", file, word);
+  return *type;
 }
 
 void readProperty(std::istringstream& words, Header& header, const std::string& file) {
@@ -110,7 +102,7 @@ class Numbers {
   Numbers(std::string_view data, Format format, std::string file)
       : data_(data), format_(format), file_(std::move(file)) {}
 
-  double next(Scalar type) { return format_ == Format::kAscii ? nextWord() : nextBinary(type); }
+  double next(PlyScalar type) { return format_ == Format::kAscii ? nextWord() : nextBinary(type); }
 
   /// Refuses counts that the rest of the file cannot hold, before memory is asked for.
   void expect(std::size_t count, std::size_t bytes_each) const {
@@ -118,7 +110,7 @@ class Numbers {
       throw inputError("{}: the file ends early ({} more numbers or records stated than it holds)", file_,
                        count - data_.size() / bytes_each);
   }
-  std::size_t bytesOf(Scalar type) const { return format_ == Format::kAscii ? 1 : sizeOf(type); }
+  std::size_t bytesOf(PlyScalar type) const { return format_ == Format::kAscii ? 1 : sizeOf(type); }
 
  private:
   double nextWord() {
@@ -137,35 +129,14 @@ class Numbers {
     return value;
   }
 
-  double nextBinary(Scalar type) {
+  double nextBinary(PlyScalar type) {
     const std::size_t size = sizeOf(type);
     if (size > data_.size()) throw inputError("{}: the file ends early", file_);
     char bytes[8] = {};
     std::copy_n(data_.data(), size, bytes);
     if (format_ == Format::kBig) std::reverse(bytes, bytes + size);
     data_.remove_prefix(size);
-    const auto as = [&bytes]<class T>(T value) {
-      std::memcpy(&value, bytes, sizeof value);
-      return static_cast<double>(value);
-    };
-    switch (type) {
-      case Scalar::kI8:
-        return as(std::int8_t{});
-      case Scalar::kU8:
-        return as(std::uint8_t{});
-      case Scalar::kI16:
-        return as(std::int16_t{});
-      case Scalar::kU16:
-        return as(std::uint16_t{});
-      case Scalar::kI32:
-        return as(std::int32_t{});
-      case Scalar::kU32:
-        return as(std::uint32_t{});
-      case Scalar::kF32:
-        return as(0.F);
-      default:
-        return as(0.0);
-    }
+    return plyValue(bytes, type);
   }
 
   std::string_view data_;

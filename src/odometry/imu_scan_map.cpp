@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scslam/core/voxel_filter.h"
+#include "scslam/odometry/usable_points.h"
 
 namespace scslam {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 constexpr int kLevels = 3;
 constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
 constexpr double kLeastInliers = 0.1;
-
-std::size_t leastPoints(bool planar) { return planar ? 20 : 60; }
 
 }  // namespace
 
@@ -26,21 +25,7 @@ void ImuScanMap::Params::describe(ParamVisitor& visitor) {
 }
 
 Cloud ImuScanMap::inRange(const Scan& scan) const {
-  const double least = params_.min_range_m > 0 ? params_.min_range_m : scan.planar ? 0.1 : 1.0;
-  const auto min2 = static_cast<float>(least * least);
-  const auto max2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
-  const Cloud& all = scan.cloud;
-  std::vector<std::uint8_t> keep(all.size());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const float range2 = all.x[i] * all.x[i] + all.y[i] * all.y[i] + all.z[i] * all.z[i];
-    keep[i] = range2 >= min2 && range2 <= max2;  // false for NaN
-    kept += keep[i];
-  }
-  Cloud cloud = all;
-  if (kept < all.size()) cloud.filter(keep);
-  if (!scan.T_base_sensor.matrix().isIdentity(0.0)) transformInPlace(cloud, scan.T_base_sensor);
-  return cloud;
+  return usablePoints(scan, params_.min_range_m, params_.max_range_m);
 }
 
 bool ImuScanMap::tooFew(const Cloud& cloud, bool planar) const { return cloud.size() < leastPoints(planar); }
@@ -48,14 +33,7 @@ bool ImuScanMap::tooFew(const Cloud& cloud, bool planar) const { return cloud.si
 void ImuScanMap::start(const Cloud& cloud, bool planar) {
   planar_ = planar;
   voxel_m_ = params_.voxel_m;
-  if (voxel_m_ <= 0) {
-    std::vector<float> range2(cloud.size());
-    for (std::size_t i = 0; i < range2.size(); ++i) range2[i] = cloud.point(i).squaredNorm();
-    const auto middle = range2.begin() + static_cast<std::ptrdiff_t>(range2.size() / 2);
-    std::nth_element(range2.begin(), middle, range2.end());
-    const double wanted = 0.05 * std::sqrt(static_cast<double>(*middle));
-    voxel_m_ = planar_ ? std::clamp(wanted, 0.15, 2.0) : std::clamp(wanted, 0.25, 0.5);
-  }
+  if (voxel_m_ <= 0) voxel_m_ = voxelFor(cloud, planar);
   map_ = emptyMap();
 }
 

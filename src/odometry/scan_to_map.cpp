@@ -5,6 +5,7 @@
 
 #include "scslam/core/deskew.h"
 #include "scslam/core/voxel_filter.h"
+#include "scslam/odometry/usable_points.h"
 
 namespace scslam {
 namespace {
@@ -21,8 +22,6 @@ constexpr double kNearBetter = 1.15, kFarBetter = 1.3;     // than the fit at th
 constexpr double kGuessBetter = 1.1, kThanRecorded = 1.6;  // than the guess before it, than recorded odometry
 constexpr double kFarPrecision = 0.75;                     // inliers among the matched points of a far place
 constexpr double kLeastInliers = 0.1;
-
-std::size_t leastPoints(bool planar) { return planar ? 20 : 60; }
 
 }  // namespace
 
@@ -78,44 +77,17 @@ void ScanToMap::forgetBeyond(const Eigen::Vector3d& centre, double radius_m) {
 
 // ---- the scan ----
 
-Cloud ScanToMap::inRange(const Scan& scan) const {
-  const double least = params_.min_range_m > 0 ? params_.min_range_m : scan.planar ? 0.1 : 1.0;
-  const auto min2 = static_cast<float>(least * least);
-  const auto max2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
-  const Cloud& all = scan.cloud;
-  std::vector<std::uint8_t> keep(all.size());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const float range2 = all.x[i] * all.x[i] + all.y[i] * all.y[i] + all.z[i] * all.z[i];
-    keep[i] = range2 >= min2 && range2 <= max2;  // false for NaN
-    kept += keep[i];
-  }
-  Cloud cloud = all;
-  if (kept < all.size()) cloud.filter(keep);
-  if (!scan.T_base_sensor.matrix().isIdentity(0.0)) transformInPlace(cloud, scan.T_base_sensor);
-  return cloud;
-}
-
 std::string ScanToMap::prepare(const Scan& scan, Prepared& prepared) {
-  prepared.cloud = inRange(scan);
+  prepared.cloud = usablePoints(scan, params_.min_range_m, params_.max_range_m);
   if (prepared.cloud.size() < leastPoints(scan.planar))
     return fmt::format("only {} usable points", prepared.cloud.size());
-  if (!map_) chooseVoxel(scan, prepared.cloud);
+  if (!map_) {
+    planar_ = scan.planar;
+    voxel_m_ = params_.voxel_m > 0 ? params_.voxel_m : voxelFor(prepared.cloud, planar_);
+  }
   const std::string useless = extract(prepared.cloud, scan, prepared.raw);
   prepared.features = prepared.raw;
   return useless;
-}
-
-void ScanToMap::chooseVoxel(const Scan& scan, const Cloud& cloud) {
-  planar_ = scan.planar;
-  voxel_m_ = params_.voxel_m;
-  if (voxel_m_ > 0) return;
-  std::vector<float> range2(cloud.size());
-  for (std::size_t i = 0; i < range2.size(); ++i) range2[i] = cloud.point(i).squaredNorm();
-  const auto middle = range2.begin() + static_cast<std::ptrdiff_t>(range2.size() / 2);
-  std::nth_element(range2.begin(), middle, range2.end());
-  const double wanted = 0.05 * std::sqrt(static_cast<double>(*middle));
-  voxel_m_ = planar_ ? std::clamp(wanted, 0.15, 2.0) : std::clamp(wanted, 0.25, 0.5);
 }
 
 Cloud ScanToMap::thin(const Cloud& cloud, double voxel_m) {

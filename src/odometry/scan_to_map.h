@@ -100,8 +100,6 @@ class ScanToMap : public Odometry {
   std::string prepare(const Scan& scan, Prepared& prepared);
   void start(const Scan& scan, Prepared& prepared, OdometryStep& out);
   void follow(const Scan& scan, Prepared& prepared, OdometryStep& out);
-  Cloud inRange(const Scan& scan) const;
-  void chooseVoxel(const Scan& scan, const Cloud& cloud);
   Pose predictedStep(Stamp stamp) const;
   Guess bestGuess(const Scan& scan, const Cloud& source) const;
   Matrix6d recordedInformation(const Pose& T_step) const;

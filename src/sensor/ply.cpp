@@ -9,16 +9,15 @@
 
 #include "scslam/core/error.h"
 #include "scslam/core/file.h"
+#include "scslam/core/ply_scalar.h"
 #include "scslam/sensor/cloud_files.h"
 
 namespace scslam {
 namespace {
 
-enum class Scalar { kI8, kU8, kI16, kU16, kI32, kU32, kF32, kF64 };
-
 struct Property {
   std::string name;
-  Scalar type = Scalar::kF32;
+  PlyScalar type = PlyScalar::kF32;
   std::size_t offset = 0;
 };
 
@@ -34,33 +33,6 @@ struct Header {
     return -1;
   }
 };
-
-std::size_t sizeOf(Scalar type) {
-  switch (type) {
-    case Scalar::kI8:
-    case Scalar::kU8:
-      return 1;
-    case Scalar::kI16:
-    case Scalar::kU16:
-      return 2;
-    case Scalar::kF64:
-      return 8;
-    default:
-      return 4;
-  }
-}
-
-Scalar scalarType(const std::string& word, const std::string& where) {
-  if (word == "char" || word == "int8") return Scalar::kI8;
-  if (word == "uchar" || word == "uint8") return Scalar::kU8;
-  if (word == "short" || word == "int16") return Scalar::kI16;
-  if (word == "ushort" || word == "uint16") return Scalar::kU16;
-  if (word == "int" || word == "int32") return Scalar::kI32;
-  if (word == "uint" || word == "uint32") return Scalar::kU32;
-  if (word == "float" || word == "float32") return Scalar::kF32;
-  if (word == "double" || word == "float64") return Scalar::kF64;
-  throw inputError("{}: '{:.40}' is no PLY type", where, word);
-}
 
 void readElement(Header& header, std::istringstream& words, const std::string& where, bool& in_vertex, bool& seen) {
   std::string name, count;
@@ -103,7 +75,9 @@ Header readHeader(std::string_view text, const std::string& file) {
       words >> a >> b;
       if (a == "list") throw inputError("{}: a list in the vertex element is not supported", where);
       if (b.empty()) throw inputError("{}: a property without a name", where);
-      header.properties.push_back({b, scalarType(a, where), header.record});
+      const auto type = plyScalar(a);
+      if (!type) throw inputError("{}: '{:.40}' is no PLY type", where, a);
+      header.properties.push_back({b, *type, header.record});
       header.record += sizeOf(header.properties.back().type);
     } else if (key == "end_header") {
       header.end = begin;
@@ -116,31 +90,6 @@ Header readHeader(std::string_view text, const std::string& file) {
     }
   }
   throw inputError("{}: no PLY header that ends in end_header", file);
-}
-
-double scalarAt(const char* p, Scalar type) {
-  const auto as = [p]<class T>(T value) {
-    std::memcpy(&value, p, sizeof value);
-    return static_cast<double>(value);
-  };
-  switch (type) {
-    case Scalar::kI8:
-      return as(std::int8_t{});
-    case Scalar::kU8:
-      return as(std::uint8_t{});
-    case Scalar::kI16:
-      return as(std::int16_t{});
-    case Scalar::kU16:
-      return as(std::uint16_t{});
-    case Scalar::kI32:
-      return as(std::int32_t{});
-    case Scalar::kU32:
-      return as(std::uint32_t{});
-    case Scalar::kF32:
-      return as(0.F);
-    default:
-      return as(0.0);
-  }
 }
 
 /// value(point, property) in both encodings.
@@ -159,8 +108,8 @@ Cloud assemble(const Header& header, const Value& value) {
   fill(cloud.intensity, header.find({"intensity", "reflectance", "scalar_intensity"}), 1);
   const int time = header.find({"t", "time", "dt", "timestamp"});
   if (time >= 0) {
-    const Scalar type = header.properties[static_cast<std::size_t>(time)].type;
-    fill(cloud.dt, time, type == Scalar::kF32 || type == Scalar::kF64 ? 1.0 : 1e-9);
+    const PlyScalar type = header.properties[static_cast<std::size_t>(time)].type;
+    fill(cloud.dt, time, type == PlyScalar::kF32 || type == PlyScalar::kF64 ? 1.0 : 1e-9);
   }
   const int ring = header.find({"ring", "channel"});
   if (ring >= 0) {
@@ -210,7 +159,7 @@ Cloud readPly(const std::filesystem::path& path) {
                      header.vertices, header.record, text.size(), data.size() / header.record);
   return assemble(header, [&](std::size_t i, std::size_t property) {
     const Property& p = header.properties[property];
-    return scalarAt(data.data() + i * header.record + p.offset, p.type);
+    return plyValue(data.data() + i * header.record + p.offset, p.type);
   });
 }
 
