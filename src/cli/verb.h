@@ -47,6 +47,7 @@ Verb changesVerb();
 Verb cleanVerb();
 Verb mergeVerb();
 Verb localizeVerb();
+Verb learnVerb();
 Verb simVerb();
 Verb realismVerb();
 

@@ -30,10 +30,10 @@ const std::atomic<bool>* stopOnSignals() {
 }
 
 const std::vector<Verb>& verbs() {
-  static const std::vector<Verb> all = {runVerb(),      evalVerb(),     placesVerb(), compareVerb(),
-                                        optimizeVerb(), exportVerb(),   infoVerb(),   listVerb(),
-                                        configVerb(),   doctorVerb(),   cleanVerb(),  mergeVerb(),
-                                        changesVerb(),  localizeVerb(), simVerb(),    realismVerb()};
+  static const std::vector<Verb> all = {runVerb(),    evalVerb(),   placesVerb(),  compareVerb(),  optimizeVerb(),
+                                        exportVerb(), infoVerb(),   listVerb(),    configVerb(),   doctorVerb(),
+                                        cleanVerb(),  mergeVerb(),  changesVerb(), localizeVerb(), learnVerb(),
+                                        simVerb(),    realismVerb()};
   return all;
 }
 

@@ -27,6 +27,7 @@ void LoopGateParams::describe(ParamVisitor& v) {
   v.field("odometry_sigma_deg_per_m", odometry_sigma_deg_per_m, "and by this angle per metre, one sigma [deg/m]", 0,
           90);
   v.field("max_odometry_mahalanobis2", max_odometry_mahalanobis2, "chi2 bound of that disagreement", 0, 1e9);
+  v.group("quality", quality, "how well the scans are laid on each other, learned from examples");
 }
 
 std::string implausible(const OdometryPrediction& predicted, const LoopGateParams& params) {

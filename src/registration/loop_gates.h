@@ -3,7 +3,7 @@
 #include <string>
 
 #include "scslam/core/params.h"
-#include "scslam/registration/registration.h"
+#include "scslam/registration/alignment_quality.h"
 
 namespace scslam {
 
@@ -21,6 +21,7 @@ struct LoopGateParams : ParamSetOf<LoopGateParams> {
   double odometry_sigma_up_per_m = 0.004;  ///< the same for heights: what tells the storeys of a garage apart
   double odometry_sigma_deg_per_m = 0.3;
   double max_odometry_mahalanobis2 = 16.8;  ///< chi2, 6 degrees of freedom, 99 %
+  QualityParams quality;
   void describe(ParamVisitor& visitor) override;
 };
 

@@ -41,6 +41,10 @@ Verification LoopVerifier::verify(const Cloud& query, std::vector<Pose> T_target
   if (!verification.refusal.empty()) return verification;
   verification.free_space = freeSpace(query, verification.registration.T_target_source, planar);
   verification.refusal = refusal(*verification.free_space, gates_);
+  if (verification.refusal.empty() && gates_.quality.on)
+    verification.refusal =
+        refusal(alignmentFeatures(query, target_.submap, verification.registration, gates_.quality.radius_m, planar),
+                gates_.quality);
   return verification;
 }
 

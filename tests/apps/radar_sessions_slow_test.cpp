@@ -1,7 +1,9 @@
 // Sessions made by radar are as good as those of a LiDAR: merged, and localised in.
+#include "scslam/apps/learn/learn_quality.h"
 #include "scslam/apps/localize/localize.h"
 #include "scslam/apps/merge/merge.h"
 #include "scslam/apps/run_job.h"
+#include "scslam/pipeline/slam_params.h"
 #include "sim/simulation.h"
 #include "support/support.h"
 
@@ -60,6 +62,27 @@ TEST(RadarSessions, AreMergedAndLocalisedIn) {
   EXPECT_EQ(both.pairs[0].false_loops.value(), 0u);
   EXPECT_LT(both.pairs[0].relative_error_m.value(), 0.1);
   EXPECT_LT(both.pairs[0].relative_error_deg.value(), 1.0);
+}
+
+TEST(RadarSessions, TeachWhatAGoodAlignmentIs) {
+  const fs::path folder = freshFolder();
+  // A small round, one lap and a half of it.
+  const RadarDrive drive =
+      radarDrive(folder, {"world.town.block_x_m=24", "world.town.block_y_m=24", "drive.laps=2", "drive.duration_s=36"});
+  LearnOptions options;
+  options.sessions = {drive.session}, options.truths = {drive.truth};
+  options.quiet = true;
+  const LearnSummary summary = learnQuality(options, context(2));
+  EXPECT_GT(summary.right, 50u);
+  EXPECT_LT(summary.right, summary.examples - 50);
+  EXPECT_GT(summary.auc, 0.98);
+  EXPECT_LT(summary.quality.blur, 0) << "blur speaks against it";
+  EXPECT_GT(summary.quality.shared, 0) << "what both see speaks for it";
+  SlamParams slam;
+  loadYaml(slam, learnYaml(summary, options), "learned");
+  EXPECT_TRUE(slam.registration.gates.quality.on);
+  options.sets = {"registration.gates.quality.min_probability=0.6"};
+  EXPECT_EQ(learnQuality(options, context(1)).quality.blur, summary.quality.blur) << "for any number of threads";
 }
 
 }  // namespace

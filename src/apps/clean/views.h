@@ -5,8 +5,8 @@
 #include <set>
 #include <vector>
 
-#include "scslam/apps/ground_cells.h"
 #include "scslam/apps/clean/sight_image.h"
+#include "scslam/apps/ground_cells.h"
 #include "scslam/apps/saved_map.h"
 
 namespace scslam {
