@@ -133,11 +133,17 @@ TEST(Evaluate, TrueLoopsCountForPrecisionAndTheirQueriesForRecall) {
   LoopRecord refused = parts.loops.front();
   refused.accepted = false;
   parts.loops.push_back(refused);
-  const LoopFigures f = evaluated(parts, truth).loops;
+  const Evaluation e = evaluated(parts, truth);
+  const LoopFigures& f = e.loops;
   EXPECT_EQ(f.candidates, 5u);
   EXPECT_EQ(f.accepted, 4u);
   EXPECT_EQ(f.true_accepted, 2u);
   EXPECT_EQ(f.false_accepted, 2u);
+  EXPECT_THAT(evaluationTable(e), AllOf(HasSubstr("52 -> 7 is wrong by 1.10 m, 0.0 deg"),
+                                        HasSubstr("51 -> 8 is wrong by 0.00 m, 6.0 deg")));
+  const auto listed = nlohmann::json::parse(evaluationJson(e))["loops"]["false"];
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_EQ(listed[0]["match"], 7);
   EXPECT_DOUBLE_EQ(*f.precision, 0.5);
   // Counted plainly: on the way back at x = i, keyframe j of the way out is near and long enough ago.
   std::size_t revisits = 0;

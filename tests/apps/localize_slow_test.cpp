@@ -41,15 +41,15 @@ TEST(Localize, AnotherDriveIsFoundByItsSecondScanAndTracked) {
 TEST(Localize, AMapMadeByOthersServesAsWell) {
   const ThreeDrives& drives = threeDrives();
   const fs::path folder = freshFolder();
-  exportMap(Session::open(drives.first.folder), {"ply"}, {}, folder, context(2));
+  exportMap(Session::open(drives.first.folder), {"pcd"}, {}, folder, context(2));
   LocalizeOptions options = optionsFor(drives.first, drives.second, folder / "l");
-  options.session = folder / "map.ply";
+  options.session = folder / "map.pcd";
   options.session_truth = fs::path();
   const LocalizeSummary summary = localize(options, context(2));
   EXPECT_LE(summary.first_fix_scan.value_or(99), 4u);
   EXPECT_GT(summary.tracked, 0.8 * static_cast<double>(summary.scans));
   EXPECT_LT(summary.error->rmse_m, 0.2);
-  EXPECT_FALSE(fs::exists(folder / "l.maps"));
+  EXPECT_FALSE(fs::exists(folder / "l.maps.partial"));
 }
 
 TEST(Localize, SameBytesForAnyNumberOfThreads) {

@@ -149,7 +149,7 @@ TEST(Merge, AMapMadeByOthersHoldsStillAndTheSessionComesIntoItsFrame) {
     const Pose T_true = T_first_world * drives.second.T_world_base[keyframe.scan_index];
     EXPECT_THAT(merged.poses()[summary.parents[1].first_keyframe + keyframe.id], IsNear(T_true, 0.35, 1.0));
   }
-  EXPECT_FALSE(fs::exists(folder / "merged.maps"));
+  EXPECT_FALSE(fs::exists(folder / "merged.maps.partial"));
 }
 
 /// LT-removert's reader: 12 numbers a line, row-major, one line per scan of the parent.

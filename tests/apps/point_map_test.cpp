@@ -96,6 +96,27 @@ TEST(PointMap, BecomesASessionInItsOwnFrame) {
   }
 }
 
+TEST(PointMap, ItsSessionsLieBesideTheResultAndTouchNothingElse) {
+  const fs::path folder = freshFolder();
+  std::ofstream(folder / "yard.ply") << plyOf(yard());
+  fs::path made;
+  {
+    PointMapSessions sessions(folder / "both");
+    EXPECT_EQ(sessions.sessionFor(folder, {}, context(), true, nullptr), folder) << "a session stays what it is";
+    made = sessions.sessionFor(folder / "yard.ply", {}, context(2), true, nullptr);
+    EXPECT_EQ(made.filename(), "yard");
+    EXPECT_TRUE(Session::open(made).complete());
+  }
+  EXPECT_FALSE(fs::exists(made));
+  fs::create_directories(folder / "mine.maps");
+  std::ofstream(folder / "mine.maps" / "precious.txt") << "kept";
+  {
+    PointMapSessions sessions(folder / "mine");
+    EXPECT_THROW(sessions.sessionFor(folder / "yard.ply", {}, context(), true, nullptr), Error);
+  }
+  EXPECT_TRUE(fs::exists(folder / "mine.maps" / "precious.txt"));
+}
+
 std::string refusalOf(const fs::path& file) {
   try {
     writeMapSession(file, file.string() + ".session", {}, context(), [](std::size_t, std::size_t) {});

@@ -75,6 +75,7 @@ TEST(RadarSessions, TeachWhatAGoodAlignmentIs) {
   const LearnSummary summary = learnQuality(options, context(2));
   EXPECT_GT(summary.right, 50u);
   EXPECT_LT(summary.right, summary.examples - 50);
+  EXPECT_GT(summary.tested, 20u);
   EXPECT_GT(summary.auc, 0.98);
   EXPECT_LT(summary.quality.blur, 0) << "blur speaks against it";
   EXPECT_GT(summary.quality.shared, 0) << "what both see speaks for it";
@@ -82,7 +83,10 @@ TEST(RadarSessions, TeachWhatAGoodAlignmentIs) {
   loadYaml(slam, learnYaml(summary, options), "learned");
   EXPECT_TRUE(slam.registration.gates.quality.on);
   options.sets = {"registration.gates.quality.min_probability=0.6"};
-  EXPECT_EQ(learnQuality(options, context(1)).quality.blur, summary.quality.blur) << "for any number of threads";
+  const LearnSummary again = learnQuality(options, context(1));
+  EXPECT_EQ(again.quality.blur, summary.quality.blur) << "for any number of threads";
+  EXPECT_EQ(again.quality.min_probability, 0.6) << "what the user asks for";
+  EXPECT_LE(again.wrong_believed, summary.wrong_believed);
 }
 
 }  // namespace

@@ -112,6 +112,27 @@ TEST(Simulate, ReportsADriveThroughAWall) {
   EXPECT_THAT(simulation.collision(), ::testing::HasSubstr("drives through"));
 }
 
+TEST(Simulate, ReportsAWheelOnAParkedCar) {
+  const auto collision = [](const char* lane) {
+    return Simulation(loadScenario("s18", {lane, "drive.duration_s=8"}), test::context()).collision();
+  };
+  EXPECT_THAT(collision("drive.lane_m=-2.2"), ::testing::HasSubstr("car_"));
+  EXPECT_EQ(collision("drive.lane_m=-1.5"), "");
+}
+
+TEST(Simulate, ListsRevisitedPlacesOfARadarAlone) {
+  const fs::path folder = test::freshFolder();
+  const Scenario scenario =
+      loadScenario("s19", {"truth.loops=true", "world.unit.size_m=60", "lidar.on=false", "radar.on=true",
+                           "truth.pictures=false", "drive.duration_s=8", "drive.start_pause_s=0", "drive.speed_mps=8",
+                           "drive.points=[-4, -4, 4, -4, 4, 4, -4, 4]", "drive.closed=true", "drive.laps=2",
+                           "drive.turn_radius_m=1", "drive.accelerate_mps2=10", "drive.corner_mps2=10"});
+  const SimulationSummary summary = simulated(scenario, folder / "drive.rawlog", 2);
+  EXPECT_EQ(summary.radar_scans, 32u);
+  EXPECT_GT(summary.revisits, 5u);
+  EXPECT_GT(readFile(folder / "drive.loops.csv").size(), 300u);
+}
+
 TEST(Simulate, LosesWhatTheFaultsSay) {
   Simulation whole(shortDrive({"drive.duration_s=30"}), test::context());
   Simulation faulty(shortDrive({"drive.duration_s=30", "faults.lost_scans=0.2", "faults.lost_rings=0.5"}),

@@ -24,7 +24,7 @@ struct CleanParams : ParamSetOf<CleanParams> {
   int min_free = 1, sure_free = 5;
   double free_share = 0.5;
   double object_height_m = 0.15, ground_height_m = 0.04;
-  double gap_m = 0.35, whole_share = 0.5, part_share = 0.5;
+  double gap_m = 0.35, whole_share = 0.5, part_share = 0.8;
   int min_object_points = 2, min_part_points = 4;
   double cache_mb = 300;
   void describe(ParamVisitor& v) override;

@@ -34,8 +34,10 @@ class Teacher {
   /// Of keyframe k against the places it revisits, or not.
   void teach(KeyframeId k, RandomSequence& random, Examples& examples) {
     if (!truth_[k]) return;
-    if (const auto match = placeOf(k, 0, kNear_m)) registerAll(k, *match, random, examples);
-    if (const auto match = placeOf(k, kElsewhere_m, 1e9, random.uniform())) registerAll(k, *match, random, examples);
+    if (const auto match = placeOf(k, 0, kNear_m))
+      registerAll(k, *match, truth_[*match]->inverse() * *truth_[k], random, examples);
+    if (const auto match = placeOf(k, kElsewhere_m, 1e9, random.uniform()))
+      registerAll(k, *match, Pose::Identity(), random, examples);
   }
 
  private:
@@ -54,7 +56,7 @@ class Teacher {
     return places[static_cast<std::size_t>(*share * static_cast<double>(places.size()))].second;
   }
 
-  void registerAll(KeyframeId k, KeyframeId match, RandomSequence& random, Examples& examples) {
+  void registerAll(KeyframeId k, KeyframeId match, const Pose& T_around, RandomSequence& random, Examples& examples) {
     const auto members = submapMembers(map_.keyframes(), match, static_cast<KeyframeId>(map_.keyframes().size()),
                                        slam_.registration.submap_reach_m, slam_.registration.submap_max_each_side);
     const Cloud submap = buildSubmap(members, match, map_.poses(), [this](KeyframeId i) { return map_.cloud(i); });
@@ -64,10 +66,9 @@ class Teacher {
     registration_->setTarget(submap);
     for (const Start& start : kStarts) {
       const double heading = 2 * M_PI * random.uniform(), turn = random.uniform(-1, 1);
-      Pose T_start = poseFromYaw(turn * start.degrees * M_PI / 180,
-                                 {start.metres * std::cos(heading), start.metres * std::sin(heading), 0});
-      if (T_true.translation().norm() < kElsewhere_m) T_start = T_true * T_start;
-      const RegistrationResult result = registration_->align(query, T_start, planar);
+      const Pose T_astray = poseFromYaw(turn * start.degrees * M_PI / 180,
+                                        {start.metres * std::cos(heading), start.metres * std::sin(heading), 0});
+      const RegistrationResult result = registration_->align(query, Pose(T_around * T_astray), planar);
       if (!result.converged) continue;
       const Vector6d error = local(T_true, result.T_target_source);
       examples.features.push_back(
@@ -82,18 +83,26 @@ class Teacher {
   std::unique_ptr<Registration> registration_;
 };
 
+/// Is this a place for the test? One square in four is.
+bool forTest(const Eigen::Vector3d& p_truth) {
+  constexpr double kSquare_m = 20;
+  const auto square = [](double metres) { return static_cast<std::int64_t>(std::floor(metres / kSquare_m)); };
+  return ((square(p_truth.x()) + 2 * square(p_truth.y())) & 3) == 0;
+}
+
 void append(const Examples& part, Examples& all) {
   all.features.insert(all.features.end(), part.features.begin(), part.features.end());
   all.yes.insert(all.yes.end(), part.yes.begin(), part.yes.end());
 }
 
 void teachBy(std::size_t number, const LearnOptions& options, const PluginContext& context, Examples& learn,
-             Examples& test, double& radius_m) {
+             Examples& test, QualityParams& quality) {
   Session session = Session::open(options.sessions[number]);
   SlamParams slam;
   loadSessionConfig(slam, session, context);
   for (const auto& assignment : options.sets) setParam(slam, assignment);
-  radius_m = slam.registration.gates.quality.radius_m;
+  if (number == 0) quality = slam.registration.gates.quality;
+  slam.registration.gates.quality = quality;
   const std::vector<std::optional<Pose>> of_scans =
       evaluate(session, readTrajectory(options.truths[number])).T_truth_base;
   const Pose T_base_sensor = session.info().T_base_sensor;
@@ -106,13 +115,12 @@ void teachBy(std::size_t number, const LearnOptions& options, const PluginContex
   const std::size_t n = map.keyframes().size(), step = std::max<std::size_t>(1, n / kMostKeyframes);
   RandomSequence random(CounterRandom(1, RandomStream::kDrive), static_cast<std::uint32_t>(number));
   Progress progress("registering", n, options.quiet);
-  std::size_t taught = 0;
   for (std::size_t k = 0; k < n; k += step) {
     if (options.stop != nullptr && *options.stop) throw Error(ExitCode::kStopped, "stopped");
     progress.update(k);
     Examples examples;
     teacher.teach(static_cast<KeyframeId>(k), random, examples);
-    append(examples, ++taught % 4 == 0 ? test : learn);
+    if (truth[k]) append(examples, forTest(truth[k]->translation()) ? test : learn);
   }
   progress.finish();
 }
@@ -125,8 +133,7 @@ LearnSummary learnQuality(const LearnOptions& options, const PluginContext& cont
                      options.sessions.size(), options.truths.size());
   LearnSummary summary;
   Examples learn, test;
-  for (std::size_t s = 0; s < options.sessions.size(); ++s)
-    teachBy(s, options, context, learn, test, summary.quality.radius_m);
+  for (std::size_t s = 0; s < options.sessions.size(); ++s) teachBy(s, options, context, learn, test, summary.quality);
   if (learn.yes.empty()) throw inputError("the sessions revisit no place that their truth knows");
   const Eigen::VectorXd w = logisticWeights(learn);
   summary.quality.on = true;
@@ -144,7 +151,6 @@ LearnSummary learnQuality(const LearnOptions& options, const PluginContext& cont
   const std::size_t wrong = test.yes.size() - right;
   summary.right_believed = right > 0 ? static_cast<double>(right_believed) / static_cast<double>(right) : 1;
   summary.wrong_believed = wrong > 0 ? static_cast<double>(wrong_believed) / static_cast<double>(wrong) : 0;
-  summary.threshold = summary.quality.min_probability;
   return summary;
 }
 

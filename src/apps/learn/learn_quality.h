@@ -23,12 +23,11 @@ struct LearnSummary {
   std::size_t tested = 0;                         ///< others, of other places
   double auc = 0;                                 ///< over those tested
   double right_believed = 0, wrong_believed = 0;  ///< shares of them, at min_probability
-  double threshold = 0;                           ///< min_probability
 };
 
 /// Keyframes are registered against the surroundings of places they revisit, from starts that are wrong by up to 8 m
-/// and 60 deg, and against places that they do not; what ends within 1 m and 5 deg of the truth is right. One keyframe
-/// in four is kept for the test. The result depends on nothing else, threads included.
+/// and 60 deg, and against places that they do not; what ends within 1 m and 5 deg of the truth is right. A quarter of
+/// the ground, in squares of 20 m, is kept for the test. The result depends on nothing else, threads included.
 /// @throw inputError for sessions that revisit no place.
 LearnSummary learnQuality(const LearnOptions& options, const PluginContext& context);
 

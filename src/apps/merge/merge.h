@@ -42,7 +42,7 @@ struct MergeConfig : ParamSetOf<MergeConfig> {
 
 struct MergeOptions {
   /// Two or more, in any order: sessions, and point maps (.ply, .pcd) that somebody else made. A point map does not
-  /// bend; its frame is the result's.
+  /// bend (of several, the first) and its frame is the result's.
   std::vector<std::filesystem::path> sessions;
   std::vector<std::string> configs, sets;  ///< over the configuration of the longest session
   std::filesystem::path output;

@@ -95,22 +95,17 @@ void writeMapSession(const fs::path& file, const fs::path& folder, const PointMa
       const Keyframe& keyframe = keyframes.emplace_back(keyframeAt(k, viewpoints[k], travelled_m));
       poses.push_back(keyframe.T_odom_base);
       writer->addKeyframe(keyframe, poses.back(), clouds[i], Descriptor());
-      writer->addScan({k, keyframe.stamp, keyframe.T_odom_base, static_cast<std::int64_t>(k)});
     }
   }
   writer->finish(buildGraph(keyframes, {}, poses, false));
   writer->seal();
 }
 
-PointMapSessions::~PointMapSessions() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
-
 fs::path PointMapSessions::sessionFor(const fs::path& session_or_map, const PointMapParams& params,
                                       const PluginContext& context, bool quiet, const std::atomic<bool>* stop) {
   if (!isPointMap(session_or_map)) return session_or_map;
-  const fs::path folder = folder_ / std::to_string(count_++) / session_or_map.stem();
+  if (!folder_) folder_.emplace(beside_, std::vector<fs::path>{}, ResultKind{"views of point maps", "", {}}, false);
+  const fs::path folder = folder_->folder() / std::to_string(count_++) / session_or_map.stem();
   fs::create_directories(folder.parent_path());
   std::optional<Progress> progress;
   writeMapSession(session_or_map, folder, params, context, [&](std::size_t done, std::size_t all) {

@@ -3,7 +3,9 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <optional>
 
+#include "scslam/apps/partial_folder.h"
 #include "scslam/core/params.h"
 #include "scslam/core/registry.h"
 
@@ -33,10 +35,7 @@ void writeMapSession(const std::filesystem::path& file, const std::filesystem::p
 class PointMapSessions {
  public:
   /// @param result they lie beside it.
-  explicit PointMapSessions(const std::filesystem::path& result) : folder_(result.string() + ".maps") {}
-  ~PointMapSessions();
-  PointMapSessions(const PointMapSessions&) = delete;
-  PointMapSessions& operator=(const PointMapSessions&) = delete;
+  explicit PointMapSessions(const std::filesystem::path& result) : beside_(result.string() + ".maps") {}
 
   /// The path itself, or where it is a point map the folder of its session, with a progress bar.
   /// @param stop set: throws Error(kStopped).
@@ -44,7 +43,8 @@ class PointMapSessions {
                                    const PluginContext& context, bool quiet, const std::atomic<bool>* stop);
 
  private:
-  std::filesystem::path folder_;
+  std::filesystem::path beside_;
+  std::optional<PartialFolder> folder_;  ///< made when the first point map comes
   std::size_t count_ = 0;
 };
 
