@@ -69,9 +69,9 @@ LoopTarget targetOf(const std::vector<Box>& world, const std::vector<Pose>& T_wo
   return target;
 }
 
-LoopVerifier verifier(int threads = 1) {
-  return {
-      Registry<Registration>::instance().create("voxel_planes", test::context(threads)), {}, Eigen::Vector3d::Zero()};
+LoopVerifier verifier(int threads = 1, const LoopGateParams& gates = {}) {
+  return {Registry<Registration>::instance().create("voxel_planes", test::context(threads)), gates,
+          Eigen::Vector3d::Zero()};
 }
 
 const Pose kPlace = poseFromYaw(0.4, {-2, -1, 1.7});
@@ -115,6 +115,21 @@ TEST(LoopVerifier, OneTargetServesManyScansAndGuesses) {
   EXPECT_EQ(again.registration.hessian, first.registration.hessian);
   EXPECT_EQ(again.free_space->target_overlap, first.free_space->target_overlap);
   EXPECT_EQ(again.refusal, "");
+}
+
+TEST(LoopVerifier, AsksForQualityWhereItIsOn) {
+  const std::vector<Box> world = yard();
+  const Pose here = poseFromYaw(0.2, {1, 0.5, 0});
+  LoopGateParams gates;
+  gates.quality.on = true;
+  for (const double bias : {10.0, -10.0}) {
+    gates.quality.bias = bias;
+    LoopVerifier loops = verifier(1, gates);
+    loops.setTarget(targetOf(world, {kPlace}));
+    const std::string refusal = loops.verify(scanAt(world, kPlace * here), {here}, near(here), false).refusal;
+    EXPECT_EQ(refusal.find("alignment quality") == 0, bias < 0) << refusal;
+    EXPECT_EQ(refusal.empty(), bias > 0) << refusal;
+  }
 }
 
 TEST(LoopVerifier, ClosesFromAGuessTurnedTheWrongWay) {
