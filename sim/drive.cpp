@@ -28,7 +28,8 @@ struct Path {
 std::vector<Vector3d> rounded(const std::vector<Vector3d>& corners, bool closed, double radius) {
   std::vector<Vector3d> result;
   const std::size_t n = corners.size();
-  const auto lineTo = [&result](const Vector3d end) {  // by value: it may be one of the result's own
+  const auto lineTo = [&result](const Vector3d& to) {
+    const Vector3d end = to;  // it may be one of the result's own
     if (result.empty()) return result.push_back(end);
     const Vector3d start = result.back();
     const int steps = static_cast<int>(std::ceil((end - start).norm() / kStep));

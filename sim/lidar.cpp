@@ -70,7 +70,7 @@ void LidarEffects::describe(ParamVisitor& v) {
 Lidar::Lidar(SensorModel sensor, LidarEffects effects, Weather weather, std::uint64_t seed, std::uint32_t unit)
     : sensor_(std::move(sensor)),
       effects_(std::move(effects)),
-      weather_(weather),
+      weather_(std::move(weather)),
       random_(seed, RandomStream::kLidar, unit),
       grid_(sensor_),
       T_base_sensor_(sensor_.T_base_sensor()),
@@ -124,7 +124,8 @@ Lidar::Echo Lidar::echoOf(const RayScene& scene, const RayPacket& rays, int lane
   const SignalModel& s = sensor_.signal;
   const Material& m = *surface.material;
   const float lobe = std::clamp((cosine - 0.5F) / 0.5F, 0.0F, 1.0F);
-  float strength = m.reflectance * (1 - m.specular) * cosine + m.retro * static_cast<float>(s.retro_gain) * lobe;
+  float strength =
+      m.reflectance * (1 - m.specular) * m.backscatter(cosine) + m.retro * static_cast<float>(s.retro_gain) * lobe;
   const auto near = static_cast<float>(s.near_m);
   if (r < near) strength *= std::pow(r / near, static_cast<float>(s.near_power));
   if (!weather_.clear()) strength *= static_cast<float>(std::exp(-2 * weather_.extinction() * static_cast<double>(r)));

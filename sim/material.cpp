@@ -6,6 +6,18 @@
 #include "scslam/core/suggest.h"
 
 namespace scslam::sim {
+namespace {
+
+std::vector<Material> rough(std::vector<Material> materials) {
+  for (Material& m : materials) {
+    const float variance = m.roughness_rad * m.roughness_rad;
+    m.lambert = 1 - 0.5F * variance / (variance + 0.33F);
+    m.grazing = 0.45F * variance / (variance + 0.09F);
+  }
+  return materials;
+}
+
+}  // namespace
 
 std::uint16_t movingLabel(Label label) {
   switch (label) {
@@ -23,41 +35,43 @@ std::uint16_t movingLabel(Label label) {
 }
 
 const std::vector<Material>& materials() {
-  // Reflectance near 0.9 um: usual text-book values. Permittivity at 76 GHz: ITU-R P.2040 and radar literature.
-  static const std::vector<Material> all = {
-      {"default", Label::kOtherObject, 0.30F, 0, 0, 5, false, 0.3F},
-      {"asphalt", Label::kRoad, 0.17F, 0, 0, 4, false, 0.1F},
-      {"road_marking", Label::kRoad, 0.45F, 0.05F, 0, 4, false, 0.1F},
-      {"paving", Label::kSidewalk, 0.26F, 0, 0, 5, false, 0.15F},
-      {"kerb", Label::kSidewalk, 0.32F, 0, 0, 5, false, 0.3F},
-      {"soil", Label::kTerrain, 0.22F, 0, 0, 6, false, 0.4F},
-      {"grass", Label::kTerrain, 0.45F, 0, 0, 8, false, 0.6F},
-      {"water", Label::kOtherGround, 0.02F, 0, 0.98F, 30, false, 0.02F},
-      {"concrete", Label::kBuilding, 0.32F, 0, 0, 5.3F, false, 0.3F},
-      {"brick", Label::kBuilding, 0.34F, 0, 0, 3.9F, false, 0.4F},
-      {"plaster", Label::kBuilding, 0.50F, 0, 0, 3, false, 0.3F},
-      {"wood", Label::kBuilding, 0.40F, 0, 0, 2, false, 0.4F},
-      {"roof", Label::kBuilding, 0.25F, 0, 0, 4, false, 0.4F},
-      {"glass", Label::kBuilding, 0.06F, 0, 0.85F, 6.3F, false, 0.05F},
-      {"tunnel_lining", Label::kOtherStructure, 0.28F, 0, 0, 5.3F, false, 0.3F},
-      {"metal", Label::kOtherStructure, 0.40F, 0.01F, 0.2F, 1, true, 0.2F},
-      {"fence", Label::kFence, 0.35F, 0, 0, 1, true, 0.6F},
-      {"guard_rail", Label::kFence, 0.40F, 0.01F, 0.1F, 1, true, 0.2F},
-      {"pole", Label::kPole, 0.38F, 0, 0.1F, 1, true, 0.3F},
-      {"sign", Label::kTrafficSign, 0.60F, 1, 0, 1, true, 0.1F},
-      {"car_paint", Label::kCar, 0.28F, 0.005F, 0.3F, 1, true, 0.15F},
-      {"car_glass", Label::kCar, 0.04F, 0, 0.9F, 6.3F, false, 0.05F},
-      {"number_plate", Label::kCar, 0.50F, 0.6F, 0, 1, true, 0.1F},
-      {"tyre", Label::kCar, 0.05F, 0, 0, 3, false, 0.5F},
-      {"bus_paint", Label::kBus, 0.40F, 0.01F, 0.2F, 1, true, 0.15F},
-      {"bicycle", Label::kBicycle, 0.25F, 0.02F, 0, 1, true, 0.6F},
-      {"clothes", Label::kPerson, 0.40F, 0, 0, 3, false, 0.7F},
-      {"leaves", Label::kVegetation, 0.48F, 0, 0, 3, false, 1},
-      {"bark", Label::kTrunk, 0.30F, 0, 0, 2, false, 0.7F},
-      {"retro_reflector", Label::kOtherObject, 0.60F, 5, 0, 1, true, 0.05F},
-      {"black", Label::kOtherObject, 0.02F, 0, 0, 3, false, 0.3F},
-      {"white", Label::kOtherObject, 0.90F, 0, 0, 3, false, 0.3F},
-  };
+  // Reflectance near 0.9 um: usual text-book values. Roughness: ground as it is known from images of roads and from the
+  // returns that real sensors get of it at a slant (sim/targets). Permittivity at 76 GHz: ITU-R P.2040 and radar
+  // literature.
+  static const std::vector<Material> all = rough({
+      {"default", Label::kOtherObject, 0.30F, 0, 0, 0, 5, false, 0.3F},
+      {"asphalt", Label::kRoad, 0.17F, 0, 0.5F, 0, 4, false, 0.1F},
+      {"road_marking", Label::kRoad, 0.45F, 0.05F, 0.35F, 0, 4, false, 0.1F},
+      {"paving", Label::kSidewalk, 0.26F, 0, 0.4F, 0, 5, false, 0.15F},
+      {"kerb", Label::kSidewalk, 0.32F, 0, 0.35F, 0, 5, false, 0.3F},
+      {"soil", Label::kTerrain, 0.22F, 0, 0.6F, 0, 6, false, 0.4F},
+      {"grass", Label::kTerrain, 0.45F, 0, 0.7F, 0, 8, false, 0.6F},
+      {"water", Label::kOtherGround, 0.02F, 0, 0, 0.98F, 30, false, 0.02F},
+      {"concrete", Label::kBuilding, 0.32F, 0, 0.35F, 0, 5.3F, false, 0.3F},
+      {"brick", Label::kBuilding, 0.34F, 0, 0.4F, 0, 3.9F, false, 0.4F},
+      {"plaster", Label::kBuilding, 0.50F, 0, 0.3F, 0, 3, false, 0.3F},
+      {"wood", Label::kBuilding, 0.40F, 0, 0.3F, 0, 2, false, 0.4F},
+      {"roof", Label::kBuilding, 0.25F, 0, 0.4F, 0, 4, false, 0.4F},
+      {"glass", Label::kBuilding, 0.02F, 0, 0, 0.85F, 6.3F, false, 0.05F},
+      {"tunnel_lining", Label::kOtherStructure, 0.28F, 0, 0.35F, 0, 5.3F, false, 0.3F},
+      {"metal", Label::kOtherStructure, 0.40F, 0.01F, 0.1F, 0.2F, 1, true, 0.2F},
+      {"fence", Label::kFence, 0.35F, 0, 0.2F, 0, 1, true, 0.6F},
+      {"guard_rail", Label::kFence, 0.40F, 0.01F, 0.1F, 0.1F, 1, true, 0.2F},
+      {"pole", Label::kPole, 0.38F, 0, 0.1F, 0.1F, 1, true, 0.3F},
+      {"sign", Label::kTrafficSign, 0.60F, 1, 0, 0, 1, true, 0.1F},
+      {"car_paint", Label::kCar, 0.28F, 0.005F, 0.1F, 0.3F, 1, true, 0.15F},
+      {"car_glass", Label::kCar, 0.02F, 0, 0, 0.9F, 6.3F, false, 0.05F},
+      {"number_plate", Label::kCar, 0.50F, 0.6F, 0, 0, 1, true, 0.1F},
+      {"tyre", Label::kCar, 0.05F, 0, 0.3F, 0, 3, false, 0.5F},
+      {"bus_paint", Label::kBus, 0.40F, 0.01F, 0.1F, 0.2F, 1, true, 0.15F},
+      {"bicycle", Label::kBicycle, 0.25F, 0.02F, 0.2F, 0, 1, true, 0.6F},
+      {"clothes", Label::kPerson, 0.40F, 0, 0.5F, 0, 3, false, 0.7F},
+      {"leaves", Label::kVegetation, 0.48F, 0, 0.6F, 0, 3, false, 1},
+      {"bark", Label::kTrunk, 0.30F, 0, 0.6F, 0, 2, false, 0.7F},
+      {"retro_reflector", Label::kOtherObject, 0.60F, 5, 0, 0, 1, true, 0.05F},
+      {"black", Label::kOtherObject, 0.02F, 0, 0, 0, 3, false, 0.3F},
+      {"white", Label::kOtherObject, 0.90F, 0, 0, 0, 3, false, 0.3F},
+  });
   return all;
 }
 

@@ -37,10 +37,17 @@ struct Material {
   Label label = Label::kUnlabelled;
   float reflectance = 0.3F;    ///< diffuse (Lambertian), 850 … 905 nm, 0 … 1
   float retro = 0;             ///< strength of the retro-reflecting lobe: 1 = a traffic sign, 0 = none
+  float roughness_rad = 0;     ///< slope of its facets, one sigma; 0: an ideal diffuser, dark when seen at a slant
   float specular = 0;          ///< share of light that leaves like from a mirror (glass, water) and is lost: 0 … 1
   float permittivity = 5;      ///< relative, at 76 GHz
   bool metal = false;          ///< reflects radar whole
   float radar_diffuse = 0.3F;  ///< share of the reflected radar power that is scattered, not mirrored: 0 … 1
+
+  /// Light that a rough diffuser returns to where it came from, against a smooth one hit at a right angle: M. Oren and
+  /// S. Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, for source and eye in one place.
+  /// @param cosine of the angle of incidence.
+  float backscatter(float cosine) const { return lambert * cosine + grazing * (1 - cosine * cosine); }
+  float lambert = 1, grazing = 0;  ///< by roughness_rad: materials() sets them
 };
 
 /// The materials a world may use, in a fixed order. Index 0 is "default".

@@ -268,7 +268,7 @@ Mesh readMesh(const std::filesystem::path& file, const MeshFileOptions& options,
   Collector collector;
   for (std::size_t i = 0; i < groups.size(); ++i) collector.add(groups[i], material[i]);
   const Dropped dropped = collector.dropped();
-  const Mesh mesh = collector.take();
+  Mesh mesh = collector.take();
   reportDropped(dropped, mesh, file.string(), log);
   reportSize(mesh, file.string(), log);
   return mesh;

@@ -43,12 +43,19 @@ RadarModel RadarParams::model() const {
   return model;
 }
 
+bool FaultParams::off(double time_s) const {
+  for (std::size_t k = 0; k + 1 < off_s.size(); k += 2)
+    if (time_s >= off_s[k] && time_s < off_s[k + 1]) return true;
+  return false;
+}
+
 void FaultParams::describe(ParamVisitor& v) {
   v.field("lost_scans", lost_scans, "share of the scans that are missing", 0, 0.95);
   v.field("time_offset_s", time_offset_s, "added to the stamps of the scans [s]", -10, 10);
   v.field("lost_rings", lost_rings, "share of the rings that are dead", 0, 1);
   v.field("dirty_deg", dirty_deg, "azimuths behind dirt: from, to, ... counter-clockwise [deg]");
   v.field("dirty_loss", dirty_loss, "share of the points lost there", 0, 1);
+  v.field("off_s", off_s, "no sensor measures, and the robot is carried on: from, to, ... after the start [s]");
 }
 
 void TruthParams::describe(ParamVisitor& v) {

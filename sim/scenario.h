@@ -45,6 +45,8 @@ struct FaultParams : ParamSetOf<FaultParams> {
   double lost_rings = 0;          ///< share of rings that are dead
   std::vector<double> dirty_deg;  ///< azimuths behind dirt: from, to, …
   double dirty_loss = 0.9;        ///< share of their points that is lost
+  std::vector<double> off_s;      ///< no sensor measures: from, to, … after the start of the drive
+  bool off(double time_s) const;  ///< by off_s
   void describe(ParamVisitor& v) override;
 };
 

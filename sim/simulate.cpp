@@ -37,19 +37,23 @@ std::string introduction(const Scenario& s) {
 class Navigation {
  public:
   Navigation(const Scenario& s, const Trajectory& drive, const RayScene& scene)
-      : imu_(s.imu, drive, static_cast<std::uint64_t>(s.seed), stampAt(0)),
+      : faults_(s.faults),
+        imu_(s.imu, drive, static_cast<std::uint64_t>(s.seed), stampAt(0)),
         wheels_(s.wheels, drive, static_cast<std::uint64_t>(s.seed), stampAt(0)),
         gnss_(s.gnss, drive, static_cast<std::uint64_t>(s.seed), stampAt(0), &scene) {}
   /// What they measured since the last call, in order of time.
   Observations upTo(double t) {
     Observations all;
-    const auto keep = [&all](const mrpt::obs::CObservation::Ptr& observation) { all.push_back(observation); };
+    const auto keep = [&](const mrpt::obs::CObservation::Ptr& observation) {
+      if (!faults_.off(toSeconds(observation->timestamp) - toSeconds(stampAt(0)))) all.push_back(observation);
+    };
     imu_.upTo(t, keep), wheels_.upTo(t, keep), gnss_.upTo(t, keep);
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a->timestamp < b->timestamp; });
     return all;
   }
 
  private:
+  const FaultParams& faults_;
   Imu imu_;
   WheelOdometry wheels_;
   Gnss gnss_;
@@ -136,8 +140,10 @@ struct Sweep {
 std::vector<Sweep> schedule(const Simulation& simulation) {
   std::vector<Sweep> sweeps;
   for (const std::uint32_t k : simulation.recorded()) sweeps.push_back({simulation.sweepStart(k), false, k});
-  for (std::uint32_t k = 0; k < simulation.radarScans(); ++k)
-    sweeps.push_back({k * simulation.radar()->model().sweep(), true, k});
+  for (std::uint32_t k = 0; k < simulation.radarScans(); ++k) {
+    const double start = k * simulation.radar()->model().sweep();
+    if (!simulation.scenario().faults.off(start)) sweeps.push_back({start, true, k});
+  }
   std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) { return a.start < b.start; });
   return sweeps;
 }

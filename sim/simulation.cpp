@@ -73,7 +73,9 @@ std::vector<std::uint32_t> Simulation::recorded() const {
   const CounterRandom random(static_cast<std::uint64_t>(scenario_.seed), RandomStream::kFaults);
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t k = 0; k < scans() && scenario_.lidar.on; ++k)
-    if (static_cast<double>(uniformOf(random.block(k)[0])) >= scenario_.faults.lost_scans) numbers.push_back(k);
+    if (static_cast<double>(uniformOf(random.block(k)[0])) >= scenario_.faults.lost_scans &&
+        !scenario_.faults.off(sweepStart(k)))
+      numbers.push_back(k);
   return numbers;
 }
 

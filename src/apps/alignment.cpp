@@ -16,7 +16,7 @@ Eigen::Matrix3d rotationOf(const Eigen::Matrix3d& H) {
 
 }  // namespace
 
-Pose alignPoses(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+Pose alignPoses(const std::vector<Pose>& a, const std::vector<Pose>& b, double lever_m) {
   const std::size_t n = std::min(a.size(), b.size());
   if (n == 0) return Pose::Identity();
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = Eigen::Vector3d::Zero();
@@ -29,13 +29,13 @@ Pose alignPoses(const std::vector<Pose>& a, const std::vector<Pose>& b) {
     positions += (a[i].translation() - mean_a) * (b[i].translation() - mean_b).transpose();
     orientations += a[i].linear() * b[i].linear().transpose();
   }
-  // Nine orders of magnitude below the positions: enough to choose among equally good rotations, too little to bend
-  // one.
+  // Without a lever nine orders of magnitude below the positions: enough to choose among equally good rotations, too
+  // little to bend one.
   const double spread = positions.norm();
   const double weight = spread > 1e-12 ? 1e-9 * spread / static_cast<double>(n) : 1.0;
   if (spread <= 1e-12) positions.setZero();
   Pose T_a_b = Pose::Identity();
-  T_a_b.linear() = rotationOf(positions + weight * orientations);
+  T_a_b.linear() = rotationOf(positions + std::max(weight, 2 * lever_m * lever_m) * orientations);
   T_a_b.translation() = mean_a - T_a_b.linear() * mean_b;
   return T_a_b;
 }

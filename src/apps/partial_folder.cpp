@@ -10,9 +10,9 @@ namespace fs = std::filesystem;
 
 ResultKind sessionResult() { return {"session", layout::kManifest, layout::allNames()}; }
 
-PartialFolder::PartialFolder(fs::path target, const std::vector<fs::path>& inputs, const ResultKind& kind,
+PartialFolder::PartialFolder(const fs::path& target, const std::vector<fs::path>& inputs, const ResultKind& kind,
                              bool overwrite)
-    : target_(fs::absolute(std::move(target)).lexically_normal()) {
+    : target_(fs::absolute(target).lexically_normal()) {
   if (!target_.has_filename()) target_ = target_.parent_path();
   partial_ = target_.string() + ".partial";
   std::error_code error;

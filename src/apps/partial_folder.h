@@ -20,8 +20,8 @@ class PartialFolder {
   /// @param inputs which may not be the target. @param overwrite an earlier result may stand at `target`; it stands
   /// until replaceTarget().
   /// @throw usageError when something else stands there or it may not be replaced.
-  PartialFolder(std::filesystem::path target, const std::vector<std::filesystem::path>& inputs, const ResultKind& kind,
-                bool overwrite);
+  PartialFolder(const std::filesystem::path& target, const std::vector<std::filesystem::path>& inputs,
+                const ResultKind& kind, bool overwrite);
   ~PartialFolder();
   PartialFolder(const PartialFolder&) = delete;
   PartialFolder& operator=(const PartialFolder&) = delete;

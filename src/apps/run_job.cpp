@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "scslam/apps/input_digest.h"
@@ -52,7 +53,7 @@ SessionInfo describeSession(const RunOptions& options, const std::string& format
 
 double percentile(std::vector<float> values, double share) {
   if (values.empty()) return 0;
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto k = static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
   return values[k];
 }

@@ -41,6 +41,13 @@ struct SurfelRules {
     if (planar) rules.min_points = 3, rules.max_flatness = 0.35f;
     return rules;
   }
+  /// For odometry, which in open country has little but leaves, trunks and posts to go by: rough planes, too. Each
+  /// counts by its own variance, and the posts' many planes look all ways.
+  static SurfelRules rough(bool planar) {
+    SurfelRules rules = of(planar);
+    if (!planar) rules.max_flatness = 0.8f;
+    return rules;
+  }
   /// Edges of things, as LOAM defines them: one direction holds three times the variance of the next.
   static SurfelRules edges() {
     SurfelRules rules;

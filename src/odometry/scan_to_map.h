@@ -67,7 +67,7 @@ class ScanToMap : public Odometry {
   /// Adds the features, placed by T_odom_base, to the map. Default: element 0 to the planes.
   virtual void insert(const Features& features, const Pose& T_odom_base);
   /// An empty map of the method's own, made when voxelSize() is known.
-  virtual void clearMap() { map_.emplace(voxel_m_, kLevels, SurfelRules::of(planar_)); }
+  virtual void clearMap() { map_.emplace(voxel_m_, kLevels, SurfelRules::rough(planar_)); }
   virtual void forgetBeyond(const Eigen::Vector3d& centre, double radius_m);
   virtual void saveMap(ByteWriter& state) const { map_->save(state); }
   virtual void loadMap(ByteReader& state) { map_->load(state); }  ///< after clearMap()

@@ -3,24 +3,6 @@
 #include <algorithm>
 
 namespace scslam {
-namespace {
-
-/// Covariance of T_match_query along the odometry chain, frame query.
-Matrix6d pathCovariance(const std::vector<Keyframe>& keyframes, KeyframeId match, KeyframeId query) {
-  Matrix6d covariance = Matrix6d::Zero();
-  for (std::size_t k = match + 1; k <= query; ++k)
-    covariance = composeCovariance(covariance, keyframes[k - 1].T_odom_base.inverse() * keyframes[k].T_odom_base,
-                                   keyframes[k].step_covariance);
-  return covariance;
-}
-
-OdometryPrediction prediction(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
-                              KeyframeId match, KeyframeId query) {
-  return {T_map_base[match].inverse() * T_map_base[query], pathCovariance(keyframes, match, query),
-          keyframes[query].travelled_m - keyframes[match].travelled_m};
-}
-
-}  // namespace
 
 LoopCloser::LoopCloser(const SlamParams& params, const PluginContext& context, const Pose& T_base_sensor)
     : gates_(params.registration.gates),
@@ -39,6 +21,9 @@ void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, Clo
     const auto cloud = recogniser->usesScans() ? clouds.get(keyframe.id) : std::make_shared<const Cloud>();
     recogniser->add(keyframe, first ? descriptor : Descriptor(), *cloud);
   }
+  const Matrix6d A = adjoint(keyframe.T_odom_base);
+  const Matrix6d step = A * keyframe.step_covariance * A.transpose();
+  drift_.push_back(drift_.empty() ? Matrix6d::Zero() : Matrix6d(drift_.back() + step));
 }
 
 std::vector<LoopRecord> LoopCloser::close(KeyframeId query, const std::vector<Keyframe>& keyframes,
@@ -59,6 +44,13 @@ std::vector<LoopRecord> LoopCloser::close(KeyframeId query, const std::vector<Ke
   return records;
 }
 
+OdometryPrediction LoopCloser::predict(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
+                                       KeyframeId match, KeyframeId query) const {
+  const Matrix6d A = adjoint(keyframes[query].T_odom_base.inverse());
+  return {T_map_base[match].inverse() * T_map_base[query], A * (drift_[query] - drift_[match]) * A.transpose(),
+          keyframes[query].travelled_m - keyframes[match].travelled_m};
+}
+
 void LoopCloser::restore(const LoopRecord& record) {
   if (record.registered) registered_.emplace(record.query, record.match);
 }
@@ -72,7 +64,7 @@ LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidat
   record.distance = candidate.distance;
   record.yaw_guess_rad = yawOf(candidate.T_match_query);
 
-  const OdometryPrediction predicted = prediction(keyframes, T_map_base, candidate.match, query.id);
+  const OdometryPrediction predicted = predict(keyframes, T_map_base, candidate.match, query.id);
   record.reason = implausible(predicted, gates_);
   if (!record.reason.empty()) return record;
 

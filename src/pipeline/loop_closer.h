@@ -28,12 +28,16 @@ class LoopCloser {
   void restore(const LoopRecord& record);
 
  private:
+  /// T_match_query, its covariance along the odometry chain (frame query), the distance travelled between.
+  OdometryPrediction predict(const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base,
+                             KeyframeId match, KeyframeId query) const;
   LoopRecord verify(const std::string& recogniser, const PlaceCandidate& candidate, const Keyframe& query,
                     const std::vector<Keyframe>& keyframes, const std::vector<Pose>& T_map_base, CloudStore& clouds);
 
   LoopGateParams gates_;
   std::vector<std::string> names_;  ///< of the recognisers
   std::vector<std::unique_ptr<PlaceRecogniser>> recognisers_;
+  std::vector<Matrix6d> drift_;                             ///< covariance of the chain up to each keyframe, frame odom
   LoopTrial trial_;                                         ///< within one close() the poses stay
   std::set<std::pair<KeyframeId, KeyframeId>> registered_;  ///< query, match; before this close()
 };

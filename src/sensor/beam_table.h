@@ -23,9 +23,11 @@ struct BeamTable : ParamSetOf<BeamTable> {
   void describe(ParamVisitor& visitor) override;
 };
 
-/// Echo strength S = gain * rho cos(theta) * near(r) / r^2 (in the sensor's own counts), and what follows from it.
+/// Echo strength S = gain * rho f(theta) * near(r) / r^2 (in the sensor's own counts) of a surface of reflectance rho,
+/// f its backscatter at incidence theta (cos theta for a matt one), and what follows from it. The defaults lose echoes
+/// by range and by strength as real scans do (sim/targets/seosan01_os1-128.yaml).
 struct SignalModel : ParamSetOf<SignalModel> {
-  double gain = 67000;      ///< counts * m^2 for a white surface hit at a right angle
+  double gain = 150000;     ///< counts * m^2 for a white surface hit at a right angle
   double near_m = 10;       ///< below this range the receiver sees only part of the echo: (r / near_m)^near_power
   double near_power = 3.5;  ///<
   double floor = 3;         ///< weaker echoes are never seen

@@ -188,6 +188,20 @@ TEST(Alignment, OrientationDecidesWhatPositionsOnALineLeaveOpen) {
   EXPECT_THAT(alignPoses(moved(T, poses), poses), IsNear(T, 1e-6, 1e-4));
 }
 
+TEST(Alignment, NoiseAcrossAStraightDriveDoesNotRollWhatHasALever) {
+  const auto poses = line(20, 1);
+  auto seen = moved(kElsewhere, poses);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const double noise = i % 2 == 0 ? 0.01 : -0.01;
+    seen[i].translation() += kElsewhere.linear() * Eigen::Vector3d(0, noise, 0);
+    seen[i].linear() = seen[i].linear() * Eigen::AngleAxisd(noise / 10, Eigen::Vector3d::UnitX());
+  }
+  auto other_noise = poses;
+  for (std::size_t i = 0; i < poses.size(); ++i) other_noise[i].translation().z() += i % 2 == 0 ? 0.01 : -0.01;
+  EXPECT_GT(local(kElsewhere, alignPoses(seen, other_noise)).tail<3>().norm(), 0.1);
+  EXPECT_THAT(alignPoses(seen, other_noise, kOrientationLever_m), IsNear(kElsewhere, 0.01, 2e-3));
+}
+
 TEST(Alignment, WrongOrientationsDoNotBendIt) {
   const auto poses = curve(60);
   auto seen = moved(kElsewhere, poses);

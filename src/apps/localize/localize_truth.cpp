@@ -41,7 +41,7 @@ Compared laidOn(const std::vector<TrackedScan>& scans, const Trajectory& truth) 
     const auto T_world_base = poseAt(truth, scan.stamp, scan.index);
     if (T_world_base) compared.truth.push_back(*T_world_base), compared.estimate.push_back(scan.T_map_base);
   }
-  const Pose T_world_map = alignPoses(compared.truth, compared.estimate);
+  const Pose T_world_map = alignPoses(compared.truth, compared.estimate, kOrientationLever_m);
   for (Pose& T : compared.estimate) T = T_world_map * T;
   return compared;
 }

@@ -159,10 +159,11 @@ class Merger {
   void searchPairs(PlaceSearch& search) {
     for (std::size_t b = 0; b < maps_.size(); ++b)
       for (std::size_t a = 0; a < b; ++a) {
-        SessionPair pair{a, b, std::make_unique<PairLoops>(maps_[a], maps_[b], config_.slam, config_.merge), {}};
+        SessionPair& pair = pairs_.emplace_back();
+        pair.a = a, pair.b = b;
+        pair.loops = std::make_unique<PairLoops>(maps_[a], maps_[b], config_.slam, config_.merge);
         pair.loops->tryFound(std::move(search.found[b][a]), trial_, tick_);
         pair.refusal = pair.loops->refusal();
-        pairs_.push_back(std::move(pair));
       }
   }
 

@@ -195,7 +195,7 @@ Pose PairLoops::placement() const {
     in_a.push_back(a_.poses()[record.match] * record.T_match_query);
     in_b.push_back(b_.poses()[record.query]);
   }
-  return alignPoses(in_a, in_b);
+  return alignPoses(in_a, in_b, kOrientationLever_m);
 }
 
 }  // namespace scslam

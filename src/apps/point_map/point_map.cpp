@@ -105,7 +105,7 @@ fs::path PointMapSessions::sessionFor(const fs::path& session_or_map, const Poin
                                       const PluginContext& context, bool quiet, const std::atomic<bool>* stop) {
   if (!isPointMap(session_or_map)) return session_or_map;
   if (!folder_) folder_.emplace(beside_, std::vector<fs::path>{}, ResultKind{"views of point maps", "", {}}, false);
-  const fs::path folder = folder_->folder() / std::to_string(count_++) / session_or_map.stem();
+  fs::path folder = folder_->folder() / std::to_string(count_++) / session_or_map.stem();
   fs::create_directories(folder.parent_path());
   std::optional<Progress> progress;
   writeMapSession(session_or_map, folder, params, context, [&](std::size_t done, std::size_t all) {
