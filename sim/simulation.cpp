@@ -37,6 +37,10 @@ SensorModel mounted(const LidarParams& params) {
   return sensor;
 }
 
+void checkPairs(const std::vector<double>& list, const char* key) {
+  if (list.size() % 2 != 0) throw usageError("{} needs pairs of numbers: from, to, ...", key);
+}
+
 /// `share` of the rings, drawn by lot.
 std::vector<bool> deadRings(int rings, double share, const CounterRandom& random) {
   std::vector<std::pair<float, std::size_t>> lots;
@@ -51,6 +55,8 @@ std::vector<bool> deadRings(int rings, double share, const CounterRandom& random
 }  // namespace
 
 Simulation::Simulation(const Scenario& scenario, const PluginContext& context) : scenario_(scenario) {
+  checkPairs(scenario.faults.dirty_deg, "faults.dirty_deg");
+  checkPairs(scenario.faults.off_s, "faults.off_s");
   world_ = std::make_unique<World>(scenario.world.kind.create(context)->generate(scenario.worldSeed()));
   scene_ = std::make_unique<RayScene>(*world_);
   drive_ = std::make_unique<Trajectory>(planDrive(scenario.drive, world_->routes, groundOf(*scene_)));

@@ -77,6 +77,8 @@ Matrix6d composeCovariance(const Matrix6d& cov_a_b, const Pose& T_b_c, const Mat
   return A * cov_a_b * A.transpose() + cov_b_c;
 }
 
+double levelSigma(const Matrix6d& covariance) { return std::sqrt(std::max(0.0, covariance(0, 0) + covariance(1, 1))); }
+
 double rotationAngle(const Pose& T) { return so3Log(T.linear()).norm(); }
 
 double yawOf(const Pose& T) { return std::atan2(T.linear()(1, 0), T.linear()(0, 0)); }

@@ -31,6 +31,11 @@ Matrix6d adjoint(const Pose& T);
 /// Covariance of T_a_c = T_a_b * T_b_c from independent covariances of both (first order), in frame c.
 Matrix6d composeCovariance(const Matrix6d& cov_a_b, const Pose& T_b_c, const Matrix6d& cov_b_c);
 
+/// Sideways and along, one sigma of both together [m].
+double levelSigma(const Matrix6d& covariance);
+/// A step known no better than this was not followed: odometry lost track and began anew [m].
+inline constexpr double kLostTrack_m = 2;
+
 /// Rotation angle of T [rad], in [0, pi].
 double rotationAngle(const Pose& T);
 /// Heading about z [rad] in (-pi, pi].

@@ -1,6 +1,8 @@
 #include "scslam/graph/consistency.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "scslam/graph/covariance.h"
 
@@ -24,6 +26,7 @@ void ConsistencyParams::describe(ParamVisitor& v) {
   v.field("odometry_sigma_deg_per_m", odometry_sigma_deg_per_m, "and this angle [deg/m]", 0, 90);
   v.field("loop_sigma_m", loop_sigma_m, "a loop is not trusted better than this, one sigma [m]", 1e-6, 100);
   v.field("loop_sigma_deg", loop_sigma_deg, "and this [deg]", 1e-6, 180);
+  v.field("min_across", min_across, "loops that must agree before they join what odometry could not follow", 1, 1000);
   v.field("budget", budget, "branches of the search for the largest set at most, per loop", 1, 1000000000);
 }
 
@@ -34,7 +37,9 @@ void LoopConsistency::addNode(const Pose& T_odom_base, double travelled_m, const
   if (!nodes_.empty())
     covariance = symmetric(composeCovariance(nodes_.back().covariance,
                                              nodes_.back().T_odom_base.inverse() * T_odom_base, step_covariance));
-  nodes_.push_back({T_odom_base, travelled_m, covariance});
+  const std::uint32_t stretch =
+      nodes_.empty() ? 0 : nodes_.back().stretch + (levelSigma(step_covariance) > kLostTrack_m ? 1 : 0);
+  nodes_.push_back({T_odom_base, travelled_m, covariance, stretch});
 }
 
 /// T_from_to along the odometry: what the way to `to` adds to the way to `from`.
@@ -61,27 +66,46 @@ std::size_t LoopConsistency::addLoop(const Factor& loop) {
   loops_.push_back({loop, covarianceOf(loop.information) + diagonal(params_.loop_sigma_m, params_.loop_sigma_m, turn)});
   const std::size_t n = loops_.size() - 1;
   std::vector<std::uint32_t> agreeing;
-  std::size_t with_believed = 0;
-  for (std::uint32_t other = 0; other < n; ++other) {
-    if (!(disagreement(other, n) <= params_.gate_chi2)) continue;
-    agreeing.push_back(other);
-    with_believed += believed_[other];
-  }
+  for (std::uint32_t other = 0; other < n; ++other)
+    if (disagreement(other, n) <= params_.gate_chi2) agreeing.push_back(other);
   agree_.add(agreeing);
-  believed_.push_back(0);
-  if (with_believed == believed_count_) {  // one more than the largest so far cannot be beaten
-    believed_[n] = 1;
-    ++believed_count_;
-    return n;
-  }
-  // A larger set than the believed one must contain the new loop, and otherwise only what agrees with it.
-  const CliqueResult found = maxClique(agree_, agreeing, believed_count_ - 1, static_cast<std::size_t>(params_.budget));
-  if (found.nodes.empty()) return n;
-  std::fill(believed_.begin(), believed_.end(), 0);
-  for (const std::uint32_t k : found.nodes) believed_[k] = 1;
-  believed_[n] = 1;
-  believed_count_ = found.nodes.size() + 1;
+  chosen_.push_back(0);
+  chooseAmong(n, agreeing);
+  believeChosen();
   return n;
+}
+
+void LoopConsistency::chooseAmong(std::size_t n, const std::vector<std::uint32_t>& agreeing) {
+  const auto with_chosen = static_cast<std::size_t>(
+      std::count_if(agreeing.begin(), agreeing.end(), [this](std::uint32_t k) { return chosen_[k] != 0; }));
+  if (with_chosen == chosen_count_) {  // one more than the largest so far cannot be beaten
+    chosen_[n] = 1;
+    ++chosen_count_;
+    return;
+  }
+  // A larger set than the chosen one must contain the new loop, and otherwise only what agrees with it.
+  const CliqueResult found = maxClique(agree_, agreeing, chosen_count_ - 1, static_cast<std::size_t>(params_.budget));
+  if (found.nodes.empty()) return;
+  std::fill(chosen_.begin(), chosen_.end(), 0);
+  for (const std::uint32_t k : found.nodes) chosen_[k] = 1;
+  chosen_[n] = 1;
+  chosen_count_ = found.nodes.size() + 1;
+}
+
+std::pair<std::uint32_t, std::uint32_t> LoopConsistency::joins(std::size_t loop) const {
+  const Factor& factor = loops_[loop].factor;
+  return std::minmax(nodes_[factor.i].stretch, nodes_[factor.j].stretch);
+}
+
+void LoopConsistency::believeChosen() {
+  believed_ = chosen_;
+  if (nodes_.empty() || nodes_.back().stretch == 0) return;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> loops_across;
+  for (std::size_t k = 0; k < loops_.size(); ++k)
+    if (chosen_[k] != 0) ++loops_across[joins(k)];
+  for (std::size_t k = 0; k < loops_.size(); ++k)
+    if (const auto across = joins(k); across.first != across.second && loops_across[across] < params_.min_across)
+      believed_[k] = 0;
 }
 
 }  // namespace scslam

@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace scslam {
+namespace {
+
+/// Is it known how this keyframe was reached?
+bool followed(const Keyframe& keyframe) { return levelSigma(keyframe.step_covariance) <= kLostTrack_m; }
+
+}  // namespace
 
 std::vector<KeyframeId> submapMembers(const std::vector<Keyframe>& keyframes, KeyframeId centre, KeyframeId limit,
                                       double reach_m, int max_each_side) {
@@ -11,8 +17,9 @@ std::vector<KeyframeId> submapMembers(const std::vector<Keyframe>& keyframes, Ke
     return std::abs(keyframes[k].travelled_m - keyframes[centre].travelled_m) <= reach_m;
   };
   std::size_t first = centre, last = centre;
-  for (int n = 0; n < max_each_side && first > 0 && within(first - 1); ++n) --first;
-  for (int n = 0; n < max_each_side && last + 1 < limit && within(last + 1); ++n) ++last;
+  for (int n = 0; n < max_each_side && first > 0 && followed(keyframes[first]) && within(first - 1); ++n) --first;
+  for (int n = 0; n < max_each_side && last + 1 < limit && followed(keyframes[last + 1]) && within(last + 1); ++n)
+    ++last;
   std::vector<KeyframeId> members;
   for (std::size_t k = first; k <= last; ++k) members.push_back(static_cast<KeyframeId>(k));
   return members;

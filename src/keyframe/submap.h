@@ -12,7 +12,8 @@ namespace scslam {
 using KeyframeCloud = std::function<std::shared_ptr<const Cloud>(KeyframeId)>;
 
 /// Keyframes within `reach_m` of path before and after `centre`, at most `max_each_side` on a side, oldest first.
-/// Only keyframes [0, limit) are considered (a submap must not contain the scan that is registered against it).
+/// Only keyframes [0, limit) are considered (a submap must not contain the scan that is registered against it), and
+/// none beyond a step on which odometry lost track: where those lie is not known.
 std::vector<KeyframeId> submapMembers(const std::vector<Keyframe>& keyframes, KeyframeId centre, KeyframeId limit,
                                       double reach_m, int max_each_side);
 

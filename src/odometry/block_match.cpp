@@ -36,7 +36,7 @@ void sumTerms(const TermBlock& b, std::size_t n, float (&sums)[kTerms][TermBlock
     }
     Float8 v[3];
     for (int row = 0; row < 3; ++row) v[row] = rows[row][0] * d[0] + rows[row][1] * d[1] + rows[row][2] * d[2];
-    for (int row = 0; row < 3; ++row) total[term++] += v[row];
+    for (const Float8& part : v) total[term++] += part;
     for (int row = 0; row < 3; ++row) {
       const int a = (row + 1) % 3, c = (row + 2) % 3;
       total[term++] += p[a] * v[c] - p[c] * v[a];

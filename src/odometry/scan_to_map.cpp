@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
 constexpr int kMisfitsBeforeRestart = 5;
-constexpr int kAdriftAfter = 5;      // scans without a fit in a row, or
 constexpr double kAdriftAfterS = 2;  // so long without a scan: the prediction has no claim any more
 
 // Shares of the usual inlier ratio. A scan that looks into new country has few points on the map and yet fits: a poor
@@ -55,10 +54,12 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
       doubtful(fit.match, guess, scan.stamp) && searched(prepared.features, guess, scan.stamp, fit.match, out.quality);
   if (!first_.empty() && share(fit.match) >= kLostShare) beginAgain(prepared, scan, fit);
   if (fit.deskewed) compensate(prepared.cloud, fit.twist);
-  if (share(fit.match) < kLostShare) {
+  // After a gap nothing but the fit itself speaks for a place.
+  if (share(fit.match) < (adrift(guess, scan.stamp) ? kFarShare : kLostShare)) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
                                         fit.match.inlierRatio(), usual_inliers_);
-    lose(scan, guess.T_odom_base, why, out);
+    // What fits nowhere cannot tell a stop from going on.
+    lose(scan, guess.recorded() ? guess.T_odom_base : T_odom_base_ * predictedStep(scan.stamp), why, out);
     if (++misfits_ == kMisfitsBeforeRestart) restartMap(prepared.features, out.quality);
   } else {
     accept(scan, fit.match, jumped, out);
@@ -106,7 +107,7 @@ Pose ScanToMap::predictedStep(Stamp stamp) const {
   if (!moving_known_) return Pose::Identity();
   const double now_s = secondsBetween(stamp_, stamp);
   if (step_s_ <= 0 || now_s <= 0) return T_step_;
-  const double ratio = std::min(now_s / step_s_, 10.0);
+  const double ratio = std::min(now_s / step_s_, kFollowedSteps);
   return retract(Pose::Identity(), ratio * local(Pose::Identity(), T_step_));
 }
 

@@ -31,7 +31,9 @@ class ScanToMap : public Odometry {
   void load(ByteReader& state) final;
 
  protected:
-  static constexpr int kLevels = 3;  ///< of the map's pyramid
+  static constexpr int kLevels = 3;             ///< of the map's pyramid
+  static constexpr int kAdriftAfter = 5;        ///< scans without a fit in a row: the prediction has no claim any more
+  static constexpr double kFollowedSteps = 10;  ///< constant velocity is believed for so many steps without a scan
 
   /// What a method takes from a scan, frame base, with dt where the scan has it. Element 0 is the surface points that
   /// the map of planes is made of, starts are compared by and a search looks for; the others are the method's own.
@@ -129,7 +131,8 @@ class ScanToMap : public Odometry {
   /// @param jumped the motion was found by a search: it says nothing about the velocity of the next step.
   void accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out);
   void lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out);
-  Matrix6d stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const;
+  /// @param blind_s longer than kFollowedSteps without a scan.
+  Matrix6d stepCovariance(const Matrix6d& information, const Pose& T_previous_base, double blind_s = 0) const;
 
   ScanToMapParams params_;
   PluginContext context_;

@@ -56,25 +56,30 @@ void ScanToMap::accept(const Scan& scan, const MatchResult& match, bool jumped, 
 
 void ScanToMap::lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out) {
   Pose T_previous_base = Pose::Identity();
+  double blind_s = 0;
   if (map_) {
+    const bool recorded = params_.use_recorded_odometry && T_recorded_ && scan.T_odom_base;
+    if (!recorded) blind_s = std::max(0.0, secondsBetween(stamp_, scan.stamp) - kFollowedSteps * step_s_);
     T_previous_base = T_odom_base_.inverse() * T_odom_base_guess;
     T_odom_base_ = T_odom_base_guess;
     stamp_ = scan.stamp;
     T_recorded_ = scan.T_odom_base;
-    ++lost_;
+    lost_ = blind_s > 0 ? std::max(lost_ + 1, kAdriftAfter) : lost_ + 1;
   }
   out.T_odom_base = T_odom_base_;
-  out.covariance = stepCovariance(Matrix6d::Zero(), T_previous_base);
+  out.covariance = stepCovariance(Matrix6d::Zero(), T_previous_base, blind_s);
   out.quality.ok = false;
   out.quality.inlier_ratio = 0;
   out.quality.degenerate_axes = scan.planar ? 3 : 6;
   out.quality.note = why;
 }
 
-Matrix6d ScanToMap::stepCovariance(const Matrix6d& information, const Pose& T_previous_base) const {
-  // Directions without information keep what constant velocity is worth: half the motion itself.
-  const double sigma_m = 0.1 + 0.5 * T_previous_base.translation().norm();
-  const double sigma_rad = 0.05 + 0.5 * rotationAngle(T_previous_base);
+Matrix6d ScanToMap::stepCovariance(const Matrix6d& information, const Pose& T_previous_base, double blind_s) const {
+  // Directions without information keep what constant velocity is worth: half the motion itself. Beyond what it follows
+  // the robot may have gone on, turned, or been carried at a walk.
+  const double speed_mps = step_s_ > 0 ? T_step_.translation().norm() / step_s_ : 0;
+  const double sigma_m = 0.1 + 0.5 * T_previous_base.translation().norm() + (speed_mps + 1) * blind_s;
+  const double sigma_rad = std::min(0.05 + 0.5 * rotationAngle(T_previous_base) + 0.3 * blind_s, M_PI);
   Vector6d prior;
   prior << Eigen::Vector3d::Constant(1 / (sigma_m * sigma_m)), Eigen::Vector3d::Constant(1 / (sigma_rad * sigma_rad));
   if (planar_) {

@@ -9,6 +9,7 @@ namespace {
 
 constexpr const char* kAccepted = "accepted";
 constexpr const char* kAlone = "contradicts the loops that agree with each other";
+constexpr const char* kWaits = "odometry lost track between both, and too few loops agree yet to join them";
 constexpr const char* kRefused = "the graph refuses it: it contradicts the other loops and the odometry together";
 
 }  // namespace
@@ -39,7 +40,7 @@ void LoopLedger::restore(const LoopRecord& record) {
 }
 
 std::string LoopLedger::reasonOf(std::size_t entry) const {
-  if (!believed(entry)) return kAlone;
+  if (!believed(entry)) return consistency_.waits(entry) ? kWaits : kAlone;
   return entries_[entry].refused_by_graph ? kRefused : kAccepted;
 }
 

@@ -88,7 +88,7 @@ void ColumnSpectra::correlate(const float* a, const float* b, float (&similarity
   float even[kMaxGroups * kLanes], odd[kMaxGroups * kLanes];
   crossCorrelate(a, b, inverse_.data(), rows_, frequencies_, groups_, even, odd);
   for (std::size_t s = 0; 2 * s <= columns_; ++s) {
-    similarity[s] = even[s] - odd[s];
+    similarity[s] = even[s] - odd[s];  // NOLINT(clang-analyzer-core.UndefinedBinaryOperatorResult): filled just now
     similarity[(columns_ - s) % columns_] = even[s] + odd[s];
   }
   similarity[0] = even[0];

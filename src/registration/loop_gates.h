@@ -40,7 +40,8 @@ struct FreeSpace {
 };
 
 /// Why a candidate need not be registered at all: odometry places the query so far from the match that, with the
-/// per-metre trust, it cannot be within max_offset_m of it. Empty when it may be.
+/// per-metre trust and its own uncertainty (wide where it lost track), it cannot be within max_offset_m of it. Empty
+/// when it may be.
 std::string implausible(const OdometryPrediction& predicted, const LoopGateParams& params);
 
 /// Why `result` is refused, with the figure ("overlap 0.31 < 0.50"); empty when it passes.

@@ -125,7 +125,7 @@ RawlogObjects::~RawlogObjects() = default;
 mrpt::serialization::CSerializable::Ptr RawlogObjects::next() {
   if (!archive_) return nullptr;
   constexpr std::uint64_t kLeast = std::uint64_t{1} << 30, kMost = std::uint64_t{1} << 32;
-  const std::uint64_t start = archive_->position();
+  const std::uint64_t start = archive_->position();  // NOLINT(clang-analyzer-deadcode.DeadStores): for `error` below
   std::string why, class_name;
   try {
     if (archive_->atEnd()) {

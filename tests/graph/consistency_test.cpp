@@ -127,6 +127,27 @@ TEST(LoopConsistency, AFalseLoopThatCameFirstIsTakenBack) {
   EXPECT_EQ(it.loops.believed(), (std::vector<std::uint8_t>{0, 1, 1}));
 }
 
+TEST(LoopConsistency, WhereOdometryLostTrackSomeMustAgreeBeforeAnyIsBelieved) {
+  const test::SquareWalk walk{25, 4, 0.01};
+  LoopConsistency loops{ConsistencyParams{}};
+  const auto n = static_cast<std::uint32_t>(walk.graph.poses.size());
+  for (std::uint32_t k = 0; k < n; ++k)
+    loops.addNode(walk.graph.poses[k], k, (k == 60 ? 1e3 : 1e-4) * Matrix6d::Identity());
+  const auto loop = [&](std::uint32_t i, std::uint32_t j) {
+    Factor factor = test::between(walk.truth, i, j, FactorKind::kLoop);
+    factor.information = 1e4 * Matrix6d::Identity();
+    return factor;
+  };
+  loops.addLoop(loop(0, 100));
+  loops.addLoop(loop(2, 40));  // on one side: odometry vouches for it
+  loops.addLoop(loop(10, 110));
+  EXPECT_EQ(loops.believed(), (std::vector<std::uint8_t>{0, 1, 0}));
+  EXPECT_TRUE(loops.waits(0));
+  EXPECT_FALSE(loops.waits(1));
+  loops.addLoop(loop(20, 120));
+  EXPECT_EQ(loops.believed(), (std::vector<std::uint8_t>{1, 1, 1, 1}));
+}
+
 TEST(LoopConsistency, ADirectionTheLoopDoesNotFixCannotContradict) {
   LoopsOfAWalk it;
   it.loops.addLoop(it.trueLoop(0, 100));

@@ -87,11 +87,14 @@ std::vector<Keyframe> aRow(int n, double gap) {
 }
 
 TEST(Submap, MembersLieWithinReachAndBelowTheLimit) {
-  const auto row = aRow(20, 2);
+  auto row = aRow(20, 2);
   EXPECT_EQ(submapMembers(row, 10, 20, 5, 10), (std::vector<KeyframeId>{8, 9, 10, 11, 12}));
   EXPECT_EQ(submapMembers(row, 10, 12, 5, 10), (std::vector<KeyframeId>{8, 9, 10, 11}));
   EXPECT_EQ(submapMembers(row, 10, 20, 100, 1), (std::vector<KeyframeId>{9, 10, 11}));
   EXPECT_EQ(submapMembers(row, 0, 20, 3, 10), (std::vector<KeyframeId>{0, 1}));
+  row[12].step_covariance.diagonal().setConstant(9);  // carried away, nobody knows where to
+  EXPECT_EQ(submapMembers(row, 10, 20, 5, 10), (std::vector<KeyframeId>{8, 9, 10, 11}));
+  EXPECT_EQ(submapMembers(row, 13, 20, 5, 10), (std::vector<KeyframeId>{12, 13, 14, 15}));
 }
 
 TEST(Submap, EveryScanStandsAtItsOwnPose) {

@@ -145,12 +145,25 @@ TEST(Simulate, LosesWhatTheFaultsSay) {
   EXPECT_EQ(scan.labels.size(), scan.cloud.size());
 }
 
+TEST(Simulate, NothingIsMeasuredWhileTheSensorsAreOff) {
+  const fs::path folder = test::freshFolder();
+  const SimulationSummary whole = simulated(shortDrive({"imu.enabled=true"}), folder / "whole.rawlog");
+  const Scenario scenario = shortDrive({"imu.enabled=true", "faults.off_s=[0.3, 0.5]"});
+  EXPECT_EQ(simulated(scenario, folder / "drive.rawlog").scans, whole.scans - 2);
+  EXPECT_FALSE(scenario.faults.off(0.29));
+  EXPECT_TRUE(scenario.faults.off(0.3));
+  EXPECT_FALSE(scenario.faults.off(0.5));
+  EXPECT_LT(fs::file_size(folder / "drive.rawlog"), fs::file_size(folder / "whole.rawlog"));
+}
+
 TEST(Simulate, RefusesWhatMakesNoDrive) {
   EXPECT_THROW(Simulation(shortDrive({"drive.duration_s=0"}), test::context()), Error);
   EXPECT_THROW(Simulation(shortDrive({"drive.route=nowhere"}), test::context()), Error);
   EXPECT_THROW(Simulation(shortDrive({"drive.points=[1, 2, 3]"}), test::context()), Error);
   EXPECT_THROW(Simulation(shortDrive({"lidar.sensor=vpl16"}), test::context()), Error);
   EXPECT_THROW(Simulation(shortDrive({"lidar.translation_m=[1]"}), test::context()), Error);
+  EXPECT_THROW(Simulation(shortDrive({"faults.off_s=[1, 2, 3]"}), test::context()), Error);
+  EXPECT_THROW(Simulation(shortDrive({"faults.dirty_deg=[100]"}), test::context()), Error);
   EXPECT_THROW(loadScenario("s99"), Error);
   EXPECT_THROW(loadScenario("s01", {"drive.sped_mps=3"}), Error);
 }

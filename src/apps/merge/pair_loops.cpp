@@ -13,6 +13,12 @@ namespace {
 
 constexpr const char* kAlone = "contradicts the loops between the two sessions that agree with each other";
 
+/// refusal() judges all loops of the pair in the end; on the way even one says where to look for more.
+ConsistencyParams withoutMinimum(ConsistencyParams params) {
+  params.min_across = 1;
+  return params;
+}
+
 /// No odometry between the sessions: whatever the registration says is plausible.
 OdometryPrediction anywhere(const Pose& T_match_query_guess) { return {T_match_query_guess, Matrix6d::Zero(), 1e6}; }
 
@@ -50,7 +56,7 @@ TrialOrder spreadOut(std::vector<FoundPlace> found, const std::vector<Keyframe>&
 }  // namespace
 
 PairLoops::PairLoops(const SavedMap& a, const SavedMap& b, const SlamParams& slam, const MergeParams& params)
-    : a_(a), b_(b), slam_(slam), params_(params), consistency_(slam.graph.consistency) {
+    : a_(a), b_(b), slam_(slam), params_(params), consistency_(withoutMinimum(slam.graph.consistency)) {
   a.addNodesTo(consistency_);
   b.addNodesTo(consistency_);
 }

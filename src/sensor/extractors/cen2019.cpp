@@ -62,7 +62,7 @@ SCSLAM_KERNEL double rankBins(const std::uint8_t* __restrict row, std::size_t n,
       for (std::size_t k = 0; k < kLanes; ++k) sum[k] += h[i + k];
   }
   double total = 0;
-  for (std::size_t k = 0; k < kLanes; ++k) total += static_cast<double>(sum[k]);
+  for (const float lane : sum) total += static_cast<double>(lane);
   for (std::size_t i = whole; i < n; ++i) total += static_cast<double>(h[i]);
   return total;
 }

@@ -132,8 +132,8 @@ class Clusters {
     queue_.clear();
     visit(first_row, first_column);
     std::size_t lowest = first_row, highest = first_row;
-    for (std::size_t next = 0; next < queue_.size(); ++next) {
-      const std::size_t row = queue_[next] / columns, column = queue_[next] % columns;
+    for (std::size_t next = 0; next < queue_.size();) {  // it grows
+      const std::size_t pixel = queue_[next++], row = pixel / columns, column = pixel % columns;
       lowest = std::min(lowest, row), highest = std::max(highest, row);
       const std::uint32_t i = image_.at(row, column);
       const auto reach = [&](std::size_t r, std::size_t c) {
