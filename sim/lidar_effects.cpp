@@ -154,6 +154,10 @@ bool Lidar::isLost(float signal, float u) const {
   if (signal < static_cast<float>(s.floor)) return true;
   if (u >= static_cast<float>(s.dropout_most)) return false;
   const float ratio = static_cast<float>(s.dropout_signal) / signal;
+  // The square bounds higher powers of a small ratio: most echoes are decided without taking them.
+  if (ratio < 1 && s.dropout_power >= 2 &&
+      u >= static_cast<float>(s.dropout_base) + static_cast<float>(s.dropout_scale) * ratio * ratio)
+    return false;
   return u < static_cast<float>(s.dropout_base) +
                  static_cast<float>(s.dropout_scale) * std::pow(ratio, static_cast<float>(s.dropout_power));
 }

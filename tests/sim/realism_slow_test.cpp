@@ -13,7 +13,8 @@ std::map<std::string, std::pair<double, double>> scores(const std::string& simul
   const test::RunResult realism = test::runScslam("realism " + log.string() + " --like " + like + " --json");
   EXPECT_EQ(realism.exit_code, 0) << realism.err;
   std::map<std::string, std::pair<double, double>> scores;
-  for (const auto& score : nlohmann::json::parse(realism.out)["scores"])
+  const nlohmann::json told = nlohmann::json::parse(realism.out);
+  for (const auto& score : told["scores"])
     if (score["value"].is_number()) scores[score["name"]] = {score["value"], score["goal"]};
   return scores;
 }

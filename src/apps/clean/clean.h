@@ -21,10 +21,10 @@ struct CleanParams : ParamSetOf<CleanParams> {
   int soon_views = 16, later_views = 32;
   double reach_m = 60;
   double margin_m = 0.2, margin_per_m = 0.005, sky_m = 40;
-  int min_free = 1, sure_free = 5;
+  int min_free = 2, sure_free = 5;
   double free_share = 0.5;
-  double object_height_m = 0.15, ground_height_m = 0.04;
-  double gap_m = 0.35, whole_share = 0.5, part_share = 0.8;
+  double object_height_m = 0.2, ground_height_m = 0.04;
+  double gap_m = 0.35, whole_share = 0.35, part_share = 0.7;
   int min_object_points = 2, min_part_points = 4;
   double cache_mb = 300;
   void describe(ParamVisitor& v) override;
