@@ -23,6 +23,8 @@ void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, Clo
   }
   const Matrix6d A = adjoint(keyframe.T_odom_base);
   const Matrix6d step = A * keyframe.step_covariance * A.transpose();
+  const int lost = levelSigma(keyframe.step_covariance) > kLostTrack_m ? 1 : 0;
+  losses_.push_back(losses_.empty() ? 0 : losses_.back() + lost);
   drift_.push_back(drift_.empty() ? Matrix6d::Zero() : Matrix6d(drift_.back() + step));
 }
 
@@ -48,7 +50,7 @@ OdometryPrediction LoopCloser::predict(const std::vector<Keyframe>& keyframes, c
                                        KeyframeId match, KeyframeId query) const {
   const Matrix6d A = adjoint(keyframes[query].T_odom_base.inverse());
   return {T_map_base[match].inverse() * T_map_base[query], A * (drift_[query] - drift_[match]) * A.transpose(),
-          keyframes[query].travelled_m - keyframes[match].travelled_m};
+          keyframes[query].travelled_m - keyframes[match].travelled_m, losses_[query] == losses_[match]};
 }
 
 void LoopCloser::restore(const LoopRecord& record) {

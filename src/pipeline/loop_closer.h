@@ -38,6 +38,7 @@ class LoopCloser {
   std::vector<std::string> names_;  ///< of the recognisers
   std::vector<std::unique_ptr<PlaceRecogniser>> recognisers_;
   std::vector<Matrix6d> drift_;                             ///< covariance of the chain up to each keyframe, frame odom
+  std::vector<int> losses_;                                 ///< steps up to each keyframe that were not followed
   LoopTrial trial_;                                         ///< within one close() the poses stay
   std::set<std::pair<KeyframeId, KeyframeId>> registered_;  ///< query, match; before this close()
 };

@@ -33,7 +33,8 @@ void LoopGateParams::describe(ParamVisitor& v) {
 std::string implausible(const OdometryPrediction& predicted, const LoopGateParams& params) {
   const double distance = predicted.T_match_query.translation().norm();
   const double per_metre = params.odometry_sigma_per_m * predicted.travelled_m;
-  const double sigma = std::hypot(per_metre, levelSigma(predicted.path_covariance));
+  // Only there: what odometry merely could not fix, along a tunnel say, opens no gate for look-alikes.
+  const double sigma = predicted.followed ? per_metre : std::hypot(per_metre, levelSigma(predicted.path_covariance));
   const double limit = params.max_offset_m + std::sqrt(params.max_odometry_mahalanobis2) * sigma;
   if (distance <= limit) return "";
   return fmt::format("odometry places it {:.1f} m away, at most {:.1f} m is plausible", distance, limit);

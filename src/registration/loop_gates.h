@@ -30,6 +30,7 @@ struct OdometryPrediction {
   Pose T_match_query = Pose::Identity();
   Matrix6d path_covariance = Matrix6d::Zero();  ///< of it, along the odometry between both, frame query
   double travelled_m = 0;                       ///< length of that path
+  bool followed = true;                         ///< odometry lost track nowhere on it (kLostTrack_m)
 };
 
 /// How far two overlapping scans agree on what is free: a scan must not see through what the other calls a wall.
@@ -40,7 +41,7 @@ struct FreeSpace {
 };
 
 /// Why a candidate need not be registered at all: odometry places the query so far from the match that, with the
-/// per-metre trust and its own uncertainty (wide where it lost track), it cannot be within max_offset_m of it. Empty
+/// per-metre trust (and, where it lost track, its own uncertainty), it cannot be within max_offset_m of it. Empty
 /// when it may be.
 std::string implausible(const OdometryPrediction& predicted, const LoopGateParams& params);
 

@@ -66,6 +66,17 @@ TEST(LoopGates, OdometryDisagreementIsCountedInSigmas) {
   EXPECT_NEAR(odometryDisagreement(measured, predicted, false, params), 1.0, 0.01);
 }
 
+TEST(LoopGates, OnlyWhereOdometryLostTrackIsAFarPlacePlausible) {
+  OdometryPrediction predicted;
+  predicted.travelled_m = 10;
+  predicted.T_match_query = poseFromYaw(0, {80, 0, 0});
+  EXPECT_FALSE(implausible(predicted, LoopGateParams()).empty());
+  predicted.path_covariance = 900 * Matrix6d::Identity();  // a tunnel: not fixed, but followed
+  EXPECT_FALSE(implausible(predicted, LoopGateParams()).empty());
+  predicted.followed = false;
+  EXPECT_TRUE(implausible(predicted, LoopGateParams()).empty());
+}
+
 TEST(LoopGates, WhatTheOverlapLeavesOpenIsOdometrys) {
   RegistrationResult corridor = good();  // along x nothing is fixed
   corridor.degenerate_axes = 1;
