@@ -29,11 +29,10 @@ std::vector<Vector3d> rounded(const std::vector<Vector3d>& corners, bool closed,
   std::vector<Vector3d> result;
   const std::size_t n = corners.size();
   const auto lineTo = [&result](const Vector3d& to) {
-    const Vector3d end = to;  // it may be one of the result's own
-    if (result.empty()) return result.push_back(end);
-    const Vector3d start = result.back();
-    const int steps = static_cast<int>(std::ceil((end - start).norm() / kStep));
-    for (int k = 1; k <= steps; ++k) result.push_back(start + (end - start) * k / steps);
+    if (result.empty()) return result.push_back(to);
+    const Vector3d start = result.back(), way = to - start;  // before the result grows: `to` may be one of its own
+    const int steps = static_cast<int>(std::ceil(way.norm() / kStep));
+    for (int k = 1; k <= steps; ++k) result.push_back(start + way * k / steps);
   };
   for (std::size_t i = 0; i < n; ++i) {
     if (!closed && (i == 0 || i + 1 == n)) {

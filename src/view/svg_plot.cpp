@@ -57,7 +57,7 @@ void Bounds::pad(double smallest, double margin) {
   max = middle + half;
 }
 
-SvgPlot::SvgPlot(PageRect page, Bounds bounds, bool equal) : page_(page), min_(bounds.min), max_(bounds.max) {
+SvgPlot::SvgPlot(PageRect page, const Bounds& bounds, bool equal) : page_(page), min_(bounds.min), max_(bounds.max) {
   scale_ = {page.width / (max_.x() - min_.x()), page.height / (max_.y() - min_.y())};
   if (!equal) return;
   scale_.setConstant(scale_.minCoeff());

@@ -26,7 +26,7 @@ class Bounds {
 class SvgPlot {
  public:
   /// @param equal one metre is as long in x as in y: the bounds are widened to the rectangle's shape.
-  SvgPlot(PageRect page, Bounds bounds, bool equal);
+  SvgPlot(PageRect page, const Bounds& bounds, bool equal);
   Eigen::Vector2d toPage(const Eigen::Vector2d& p) const;
   double pixelsPerUnit() const { return scale_.x(); }  ///< along x
   /// Frame, grid lines at nice numbers and their labels.

@@ -98,7 +98,8 @@ void addOnce(std::vector<std::string>& names, const std::string& name) {
 std::string trajectoriesSvg(const std::vector<ComparedRun>& runs) {
   std::vector<std::string> inputs, frontends;
   for (const ComparedRun& run : runs) addOnce(inputs, run.input), addOnce(frontends, run.frontend);
-  const double height = kTop + kPitchY * static_cast<double>((inputs.size() + 1) / 2);
+  const std::size_t rows = (inputs.size() + 1) / 2;
+  const double height = kTop + kPitchY * static_cast<double>(rows);
   std::string svg = fmt::format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 900 {0:.0f}' width='900' height='{0:.0f}'>\n"
       "<style>text{{font:13px system-ui,'DejaVu Sans',sans-serif;fill:#1f2328}}.title{{font-size:15px;font-weight:600}}"
@@ -106,7 +107,8 @@ std::string trajectoriesSvg(const std::vector<ComparedRun>& runs) {
       height);
   svg += legend(frontends);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const PageRect page{64 + kPitchX * static_cast<double>(i % 2), kTop + kPitchY * static_cast<double>(i / 2),
+    const std::size_t row = i / 2, column = i % 2;
+    const PageRect page{64 + kPitchX * static_cast<double>(column), kTop + kPitchY * static_cast<double>(row),
                         kPanelWidth, kPanelHeight};
     svg += panel(runs, inputs[i], frontends, page);
   }
