@@ -44,14 +44,15 @@ struct LevelRange {
 /// What one pass over the source gives.
 struct MatchSystem {
   static constexpr std::size_t kBins = 64;
-  Matrix6d H = Matrix6d::Zero();                 ///< sum w J^T J, w = kernel weight / variance
-  Vector6d g = Vector6d::Zero();                 ///< sum w J^T r
-  std::uint32_t points = 0;                      ///< of the source
-  std::uint32_t matched = 0;                     ///< found a plane within the gate
-  std::uint32_t inliers = 0;                     ///< |r| <= inlier_m
-  double inlier_r2 = 0;                          ///< sum of r^2 over the inliers [m^2]
-  double score = 0;                              ///< sum over the source of max(0, 1 - (r / inlier_m)^2)
-  std::array<std::uint32_t, kBins> histogram{};  ///< of |r| over [0, gate)
+  Matrix6d H = Matrix6d::Zero();                       ///< sum w J^T J, w = kernel weight / variance
+  Vector6d g = Vector6d::Zero();                       ///< sum w J^T r
+  std::uint32_t points = 0;                            ///< of the source
+  std::uint32_t matched = 0;                           ///< found a plane within the gate
+  std::uint32_t inliers = 0;                           ///< |r| <= inlier_m
+  std::uint32_t clear_matched = 0, clear_inliers = 0;  ///< of those, on planes that are not rough
+  double inlier_r2 = 0;                                ///< sum of r^2 over the inliers [m^2]
+  double score = 0;                                    ///< sum over the source of max(0, 1 - (r / inlier_m)^2)
+  std::array<std::uint32_t, kBins> histogram{};        ///< of |r| over [0, gate)
 
   /// From the histogram; the gate when nothing matched.
   double medianResidual(double gate_m) const;
@@ -106,6 +107,8 @@ struct MatchResult {
   /// Measured: makes the mean normalised error of steps on a surveyed drive about 1.
   static constexpr double kCorrelatedPoints = 15.0;
 
+  /// Without rough planes, which fit any scan: what tells a wrong place from the right one.
+  double clearRatio() const { return system.points ? static_cast<double>(system.clear_inliers) / system.points : 0.0; }
   double inlierRatio() const { return system.points ? static_cast<double>(system.inliers) / system.points : 0.0; }
   double rmse() const;
   double meanScore() const { return system.points ? system.score / system.points : 0.0; }

@@ -22,6 +22,7 @@ struct Block {
   VoxelKey key[kBlock];
   alignas(32) float nx[kBlock], ny[kBlock], nz[kBlock];  // normal of the plane found, frame map
   alignas(32) float r[kBlock], variance[kBlock];         // residual [m]; variance < 0: no plane
+  bool rough[kBlock];                                    // any scan fits there
 };
 
 struct Sums {
@@ -101,6 +102,7 @@ void lookUp(const VoxelSurface& surface, Block& b, std::uint16_t* pending, std::
     b.nx[i] = surfel->nx, b.ny[i] = surfel->ny, b.nz[i] = surfel->nz;
     b.r[i] = surfel->nx * dx + surfel->ny * dy + surfel->nz * dz;
     b.variance[i] = surfel->variance;
+    b.rough[i] = surfel->rough();
   }
   n = left;
 }
@@ -114,11 +116,13 @@ void countBlock(Block& b, std::size_t n, const MatchKernel& kernel, MatchSystem&
       b.variance[i] = -1;
       continue;
     }
-    ++system.matched;
     ++system.histogram[std::min(static_cast<std::size_t>(distance * to_bin), MatchSystem::kBins - 1)];
+    ++system.matched;
+    system.clear_matched += b.rough[i] ? 0 : 1;
     if (distance > inlier) continue;
     const float r2 = distance * distance;
     ++system.inliers;
+    system.clear_inliers += b.rough[i] ? 0 : 1;
     system.inlier_r2 += static_cast<double>(r2);
     system.score += static_cast<double>(1.0f - r2 * inverse_inlier2);
   }
@@ -212,6 +216,8 @@ void addSystem(const MatchSystem& part, MatchSystem& total) {
   total.g += part.g;
   total.matched += part.matched;
   total.inliers += part.inliers;
+  total.clear_matched += part.clear_matched;
+  total.clear_inliers += part.clear_inliers;
   total.inlier_r2 += part.inlier_r2;
   total.score += part.score;
   for (std::size_t i = 0; i < MatchSystem::kBins; ++i) total.histogram[i] += part.histogram[i];

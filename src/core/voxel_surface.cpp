@@ -109,6 +109,8 @@ Surfel VoxelSurface::fitted(const Moments& m) const {
   const bool clear = shape.less <= static_cast<double>(rules_.max_flatness) * shape.more &&
                      shape.more >= static_cast<double>(rules_.min_spread) * voxel_m_ * voxel_m_;
   if (!clear || !shape.axis.allFinite()) return surfel;
+  if (!rules_.lines && !rules_.planar && shape.less > static_cast<double>(rules_.clear_flatness) * shape.more)
+    surfel.count = -m.n;
   const Eigen::Vector3f offset = (mean.array() + 0.5 * voxel_m_).cast<float>();
   surfel.mx = offset.x(), surfel.my = offset.y(), surfel.mz = offset.z();
   surfel.nx = static_cast<float>(shape.axis.x()), surfel.ny = static_cast<float>(shape.axis.y());

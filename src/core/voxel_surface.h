@@ -19,19 +19,21 @@ struct Surfel {
   float mx = 0, my = 0, mz = 0;  ///< mean of the points [m], from the voxel's low corner
   float nx = 0, ny = 0, nz = 0;  ///< unit normal (of a line: its direction); the sign means nothing
   float variance = -1;           ///< of the points along the normal (across the line) [m^2]; negative: none is held
-  float count = 0;               ///< points in the fit
+  float count = 0;               ///< points in the fit; negative: a rough surface (SurfelRules::clear_flatness)
 
+  bool rough() const { return count < 0; }
   bool valid() const { return variance >= 0; }
 };
 
 /// Which plane (or line) fits count.
 struct SurfelRules {
   int min_points = 5;
-  int max_points = 200;       ///< a full voxel takes no more points: the first drive anchors the map
-  float max_flatness = 0.3f;  ///< smallest / middle eigenvalue of the covariance
-  float min_spread = 0.005f;  ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
-  bool planar = false;        ///< 2-D data: lines in the x-y plane, normals horizontal
-  bool lines = false;         ///< straight edges in space: max_flatness is middle / largest, min_spread the largest
+  int max_points = 200;         ///< a full voxel takes no more points: the first drive anchors the map
+  float max_flatness = 0.3f;    ///< smallest / middle eigenvalue of the covariance
+  float clear_flatness = 0.3f;  ///< beyond it a plane is rough: it pulls, but any scan fits there
+  float min_spread = 0.005f;    ///< middle eigenvalue / voxel_m^2: a single ring is a line and fixes no plane
+  bool planar = false;          ///< 2-D data: lines in the x-y plane, normals horizontal
+  bool lines = false;           ///< straight edges in space: max_flatness is middle / largest, min_spread the largest
 
   /// What was found best on recordings. A planar scan has few points and a cluttered room few clean lines: there a
   /// rough line, with its variance, is worth more than none.

@@ -74,10 +74,10 @@ float countResidual(float distance_m, const MatchKernel& kernel, MatchSystem& sy
   if (!(distance_m < gate)) return 0.0f;
   const float r2 = distance_m * distance_m;
   const auto bin = static_cast<std::size_t>(distance_m * (static_cast<float>(MatchSystem::kBins) / gate));
-  ++system.matched;
+  ++system.matched, ++system.clear_matched;
   ++system.histogram[std::min(bin, MatchSystem::kBins - 1)];
   if (distance_m <= inlier) {
-    ++system.inliers;
+    ++system.inliers, ++system.clear_inliers;
     system.inlier_r2 += static_cast<double>(r2);
     system.score += static_cast<double>(1.0f - r2 / (inlier * inlier));
   }

@@ -57,7 +57,7 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
   // After a gap nothing but the fit itself speaks for a place.
   if (share(fit.match) < (adrift(guess, scan.stamp) ? kFarShare : kLostShare)) {
     const std::string why = fmt::format("the scan does not fit the map (inliers {:.2f}, usually {:.2f})",
-                                        fit.match.inlierRatio(), usual_inliers_);
+                                        fit.match.clearRatio(), usual_inliers_);
     // What fits nowhere cannot tell a stop from going on.
     lose(scan, guess.recorded() ? guess.T_odom_base : T_odom_base_ * predictedStep(scan.stamp), why, out);
     if (++misfits_ == kMisfitsBeforeRestart) restartMap(prepared.features, out.quality);
@@ -230,7 +230,7 @@ ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Gu
 
 double ScanToMap::share(const MatchResult& match) const {
   if (match.system.inliers < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers) return 0.0;
-  return usual_inliers_ > 0 ? match.inlierRatio() / usual_inliers_ : 1.0;
+  return usual_inliers_ > 0 ? match.clearRatio() / usual_inliers_ : 1.0;
 }
 
 bool ScanToMap::adrift(const Guess& guess, Stamp stamp) const {
@@ -259,7 +259,9 @@ bool ScanToMap::searched(const Features& features, const Guess& guess, Stamp sta
                          OdometryQuality& quality) const {
   const MatchResult near = search(features, guess.T_odom_base, guess.recorded() ? Reach::kStep : Reach::kNear);
   if (near.meanScore() > kNearBetter * match.meanScore() && outweighs(near, match, guess)) match = near;
-  const auto precise = [](const MatchResult& m) { return m.system.inliers >= kFarPrecision * m.system.matched; };
+  const auto precise = [](const MatchResult& m) {
+    return m.system.clear_inliers >= kFarPrecision * m.system.clear_matched;
+  };
   if (adrift(guess, stamp)) {
     // It may have gone on or stopped: the best fit about both places counts, not the first that is good enough.
     for (const Pose& T_odom_base : {guess.T_odom_base, T_fitted_}) {
@@ -273,7 +275,7 @@ bool ScanToMap::searched(const Features& features, const Guess& guess, Stamp sta
   // away.
   if (share(match) >= (planar_ || guess.recorded() ? kLostShare : kPoorShare)) return false;
   const MatchResult far = search(features, guess.T_odom_base, Reach::kFar);
-  if (!precise(far) || share(far) < kFarShare || far.inlierRatio() < kFarBetter * match.inlierRatio()) return false;
+  if (!precise(far) || share(far) < kFarShare || far.clearRatio() < kFarBetter * match.clearRatio()) return false;
   match = far;
   quality.note = "recovered by rotation search";
   return true;

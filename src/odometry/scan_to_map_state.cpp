@@ -33,8 +33,8 @@ void ScanToMapParams::describeShared(ParamVisitor& visitor) {
 }
 
 void ScanToMap::accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out) {
-  const double ratio = match.inlierRatio();
-  usual_inliers_ = usual_inliers_ == 0 ? ratio : 0.9 * usual_inliers_ + 0.1 * ratio;
+  const double ratio = match.inlierRatio(), clear = match.clearRatio();
+  usual_inliers_ = usual_inliers_ == 0 ? clear : 0.9 * usual_inliers_ + 0.1 * clear;
   lost_ = misfits_ = 0;
   const Pose T_previous_base = T_odom_base_.inverse() * match.T_map_scan;
   if (!jumped) {
