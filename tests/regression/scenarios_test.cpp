@@ -121,6 +121,15 @@ const auto nameOf = [](const auto& scenario) { return scenario.param; };
 INSTANTIATE_TEST_SUITE_P(Shipped, Scenarios, ::testing::ValuesIn(shipped()), nameOf);
 INSTANTIATE_TEST_SUITE_P(Shipped, ScenariosByRadar, ::testing::ValuesIn(forRadar()), nameOf);
 
+/// The other half of S17: carried on with all sensors off, it says that it is lost, and agreeing loops join both parts.
+TEST(Scenarios, CarriedOffItFindsBack) {
+  const sim::Scenario scenario =
+      sim::loadScenario("s17", {"truth.pictures=false", "drive.laps=2", "drive.start_pause_s=12", "drive.duration_s=60",
+                                "wheels.enabled=false", "faults.off_s=[21, 30]", "expect.ate_max_m=0.25",
+                                "expect.loops_min=30", "expect.recall_min=0.9"});
+  meetsItsBounds(scenario, scenario.expect, "s17, carried off");
+}
+
 /// The net has no holes: with any one part broken, the bounds of the plainest scenario do not hold.
 TEST(Scenarios, NoticeABrokenPart) {
   const sim::Scenario scenario = sim::loadScenario("s01_loop", {"truth.pictures=false"});
