@@ -140,7 +140,6 @@ void Lidar::traceTile(const RayScene& scene, std::size_t tile) {
   aim(rays, tile);
   const std::uint32_t active = grid_.active(tile);
   if (active != 0) scene.trace(rays, active);
-  for (int i = 0; i < 16; ++i) scene.prefetchSurface(rays, i);
   for (int i = 0; i < 16; ++i) {
     const int ring = grid_.ringOf(tile, i), column = grid_.columnOf(tile, i);
     if (ring >= grid_.rings() || column >= grid_.columns()) continue;

@@ -57,13 +57,6 @@ class RayScene {
   /// Is there nothing between a and b, but for the last and first 5 cm?
   bool sees(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double time = 0) const;
 
-  /// Puts what surface() will read on its way: call it for all rays of a packet first.
-  void prefetchSurface(const RayPacket& rays, int i) const {
-    if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) return;
-    const unsigned part = rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID ? 0 : rays.hit.instID[0][i];
-    __builtin_prefetch(&meshes_[part]->material[rays.hit.primID[i]]);
-    if (part == 0) __builtin_prefetch(&meshes_[0]->instance[rays.hit.primID[i]]);
-  }
   /// The surface of ray i of a packet that hit.
   Surface surface(const RayPacket& rays, int i) const;
   /// Unit normal in the world, against the ray. @param time of that ray.
