@@ -57,8 +57,13 @@ RayScene::RayScene(const World& world) : world_(world) {
   if (world.mesh.empty()) throw usageError("the world '{}' has no triangles", world.name);
   _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  // Building the tree may use all threads: the tree is the same for any number of them.
+  // Building the tree may use all threads: the tree is the same for any number of them. The thread sanitizer does not
+  // see how Embree's threads wait for each other.
+#ifdef __SANITIZE_THREAD__
+  device_ = rtcNewDevice("threads=1");
+#else
   device_ = rtcNewDevice("threads=0");
+#endif
   if (device_ == nullptr) throw Error(ExitCode::kBug, "Embree gives no device");
   meshes_.push_back(&world.mesh);
   if (world.actors.empty()) {

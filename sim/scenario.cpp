@@ -78,6 +78,7 @@ void ExpectParams::describe(ParamVisitor& v) {
   v.field("loops_min", loops_min, "fewest loops accepted that are true");
   v.field("recall_min", recall_min, "least share of revisits closed");
   v.field("z_rmse_max_m", z_rmse_max_m, "greatest rms error of the height [m]");
+  v.field("nees_max", nees_max, "greatest mean of the steps' normalised squared errors; honest: 6, planar 3");
   v.field("wished_ate_m", wished_ate_m, "what a better program would reach [m]");
   v.field("wished_recall", wished_recall, "... and this recall");
 }

@@ -67,7 +67,7 @@ struct ExpectParams : ParamSetOf<ExpectParams> {
   std::string config;    ///< `run -c`; empty: the default
   std::string odometry;  ///< `run --odometry`; empty: the configuration's
   double ate_max_m = -1, odometry_ate_max_m = -1, false_loops_max = 0, loops_min = -1, recall_min = -1;
-  double z_rmse_max_m = -1, wished_ate_m = -1, wished_recall = -1;
+  double z_rmse_max_m = -1, nees_max = 15, wished_ate_m = -1, wished_recall = -1;
   void describe(ParamVisitor& v) override;
 };
 

@@ -59,8 +59,8 @@ class Field : public WorldGenerator {
   /// Along a lane eastwards, around the eastern place, back and around the western one.
   Line loop(int lane) const {
     const double y = laneY(lane);
-    Line line = arc({end(), 0, 0}, y, -90, 90, 15);
-    const Line west = arc({-end(), 0, 0}, y, 90, 270, 15);
+    Line line = arc({end(), 0, 0}, y, -90, 90, 3);
+    const Line west = arc({-end(), 0, 0}, y, 90, 270, 3);
     line.insert(line.end(), west.begin(), west.end());
     std::rotate(line.begin(), line.end() - 1, line.end());
     return line;

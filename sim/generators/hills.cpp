@@ -61,7 +61,7 @@ class Hills : public WorldGenerator {
     World world;
     world.name = "hills";
     world.mesh = builder.take();
-    Line lane = line(6);
+    Line lane = line(1);
     const Line left = leftOf(lane, true);
     for (std::size_t i = 0; i < lane.size(); ++i) lane[i] -= left[i] * kLane;
     lane.pop_back();

@@ -41,7 +41,7 @@ class Roundabout : public WorldGenerator {
     World world;
     world.name = "roundabout";
     world.mesh = builder.take();
-    Line circle = arc(Vector3d::Zero(), params_.radius_m, 0, 360, 10);
+    Line circle = arc(Vector3d::Zero(), params_.radius_m, 0, 360, 1);
     circle.pop_back();
     world.routes = {{"turns", turns(), false}, {"circle", circle, true}};
     return world;
@@ -56,7 +56,7 @@ class Roundabout : public WorldGenerator {
     const double off = std::asin(8.5 / params_.radius_m) * 180 / M_PI;
     const double enter = 180 + off, leave = 360 - off, end = reach() - 15;
     Line line = {{-end, -kLane, 0}, {-outer() - 8, -kLane, 0}};
-    const Line around = arc(Vector3d::Zero(), params_.radius_m, enter, leave + 360.0 * params_.turns, 10);
+    const Line around = arc(Vector3d::Zero(), params_.radius_m, enter, leave + 360.0 * params_.turns, 1);
     line.insert(line.end(), around.begin(), around.end());
     line.emplace_back(outer() + 8, -kLane, 0);
     line.emplace_back(end, -kLane, 0);

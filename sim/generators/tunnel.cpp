@@ -88,7 +88,7 @@ class Tunnel : public WorldGenerator {
   Line lane(const Line& line) const {
     const Line left = leftOf(line);
     Line result;
-    for (std::size_t i = 20; i + 20 < line.size(); i += 4) result.push_back(line[i] - left[i] * halfWidth() * 0.35);
+    for (std::size_t i = 20; i + 20 < line.size(); ++i) result.push_back(line[i] - left[i] * halfWidth() * 0.35);
     return result;
   }
 

@@ -23,17 +23,6 @@ void readMetrics(ComparedRun& run, const std::filesystem::path& file) {
     run.odometry_ms_per_scan = number(json["stages_ms"], "odometry") / static_cast<double>(run.scans);
 }
 
-std::vector<std::optional<Pose>> truthOfKeyframes(const Session& session, const Evaluation& evaluation) {
-  std::vector<std::optional<Pose>> truth(session.keyframes().size());
-  for (std::size_t i = 0; i < session.scans().size(); ++i) {
-    const std::int64_t k = session.scans()[i].keyframe;
-    if (k < 0 || static_cast<std::size_t>(k) >= truth.size()) continue;
-    const auto at = static_cast<std::size_t>(k);
-    if (session.keyframes()[at].scan_index == session.scans()[i].index) truth[at] = evaluation.T_truth_base[i];
-  }
-  return truth;
-}
-
 }  // namespace
 
 void readRun(ComparedRun& run, const std::filesystem::path& folder, const std::optional<Trajectory>& truth) {
@@ -49,7 +38,7 @@ void readRun(ComparedRun& run, const std::filesystem::path& folder, const std::o
   readMetrics(run, folder / layout::kMetrics);
   if (truth) {
     run.evaluation = evaluate(session, *truth);
-    run.steps = stepConsistency(session.keyframes(), truthOfKeyframes(session, *run.evaluation), session.info().planar);
+    run.steps = stepConsistency(session, *run.evaluation);
   }
   run.session = std::move(session);
 }

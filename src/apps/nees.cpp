@@ -23,6 +23,17 @@ std::optional<double> normalisedSquare(const Vector6d& error, const Matrix6d& co
   return std::isfinite(square) ? std::optional(square) : std::nullopt;
 }
 
+std::vector<std::optional<Pose>> truthOfKeyframes(const Session& session, const Evaluation& evaluation) {
+  std::vector<std::optional<Pose>> truth(session.keyframes().size());
+  for (std::size_t i = 0; i < session.scans().size(); ++i) {
+    const std::int64_t k = session.scans()[i].keyframe;
+    if (k < 0 || static_cast<std::size_t>(k) >= truth.size()) continue;
+    const auto at = static_cast<std::size_t>(k);
+    if (session.keyframes()[at].scan_index == session.scans()[i].index) truth[at] = evaluation.T_truth_base[i];
+  }
+  return truth;
+}
+
 }  // namespace
 
 double chiSquareQuantile(double degrees_of_freedom, double z) {
@@ -44,7 +55,9 @@ StepConsistency stepConsistency(const std::vector<Keyframe>& keyframes,
     ++result.steps;
     const Vector6d error = local(T_truth_base[k - 1]->inverse() * *T_truth_base[k],
                                  keyframes[k - 1].T_odom_base.inverse() * keyframes[k].T_odom_base);
-    const auto square = normalisedSquare(error, keyframes[k].step_covariance, axes);
+    Matrix6d covariance = keyframes[k].step_covariance;
+    covariance.diagonal() += keyframes[k].step_passing;
+    const auto square = normalisedSquare(error, covariance, axes);
     if (!square) {
       ++result.singular;
       continue;
@@ -52,7 +65,7 @@ StepConsistency stepConsistency(const std::vector<Keyframe>& keyframes,
     ++counted;
     sum += *square;
     for (const int axis : axes)
-      ratio[static_cast<std::size_t>(axis)] += error(axis) * error(axis) / keyframes[k].step_covariance(axis, axis);
+      ratio[static_cast<std::size_t>(axis)] += error(axis) * error(axis) / covariance(axis, axis);
     inside += *square <= bound;
   }
   if (counted == 0) return result;
@@ -63,6 +76,10 @@ StepConsistency stepConsistency(const std::vector<Keyframe>& keyframes,
   result.low = chiSquareQuantile(result.dimensions * n, -1.959963984540054) / n;
   result.high = chiSquareQuantile(result.dimensions * n, 1.959963984540054) / n;
   return result;
+}
+
+StepConsistency stepConsistency(const Session& session, const Evaluation& evaluation) {
+  return stepConsistency(session.keyframes(), truthOfKeyframes(session, evaluation), session.info().planar);
 }
 
 }  // namespace scslam

@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "scslam/keyframe/keyframe.h"
+#include "scslam/apps/evaluate.h"
+#include "scslam/session/session.h"
 
 namespace scslam {
 
@@ -26,6 +27,8 @@ struct StepConsistency {
 /// @param T_truth_base per keyframe, where there is truth.
 StepConsistency stepConsistency(const std::vector<Keyframe>& keyframes,
                                 const std::vector<std::optional<Pose>>& T_truth_base, bool planar);
+/// @param evaluation of the session.
+StepConsistency stepConsistency(const Session& session, const Evaluation& evaluation);
 
 /// Quantile of the chi-square distribution for a normal quantile z (1.96: 97.5 %), by Wilson and Hilferty's cube;
 /// within 1 % from three degrees of freedom on.

@@ -80,6 +80,7 @@ void SavedMap::takeKeyframes() {
     here.id = static_cast<KeyframeId>(keyframes_.size());
     here.T_odom_base = keyframe.T_odom_base * T_own_base_;
     here.step_covariance = J * step * J.transpose();
+    here.step_passing = J.cwiseAbs2() * keyframe.step_passing;
     here.planar = session_.info().planar;
     step.setZero();
     kept_.push_back(here.id);

@@ -32,6 +32,12 @@ double sweepDuration(const Cloud& cloud) {
   return static_cast<double>(longest);
 }
 
+double meanTime(const Cloud& cloud) {
+  double sum = 0;
+  for (const float dt : cloud.dt) sum += std::isfinite(dt) ? static_cast<double>(dt) : 0.0;
+  return cloud.hasTime() ? sum / static_cast<double>(cloud.size()) : 0.0;
+}
+
 void deskew(Cloud& cloud, const Vector6d& twist) {
   if (!cloud.hasTime() || twist.isZero()) return;
   float begin = 0, end = 0;

@@ -12,4 +12,7 @@ void deskew(Cloud& cloud, const Vector6d& twist);
 /// Longest |dt| of the cloud [s], 0 without times. NaN times count as 0.
 double sweepDuration(const Cloud& cloud);
 
+/// Mean dt of the points [s], 0 without times. NaN times count as 0.
+double meanTime(const Cloud& cloud);
+
 }  // namespace scslam

@@ -16,7 +16,8 @@ struct Keyframe {
   Stamp stamp;
   Pose T_odom_base = Pose::Identity();
   double travelled_m = 0;                       ///< path length in odom up to here
-  Matrix6d step_covariance = Matrix6d::Zero();  ///< of T_previous_keyframe_this, frame base of this keyframe
+  Matrix6d step_covariance = Matrix6d::Zero();  ///< of T_previous_keyframe_this, frame base: what adds up (odometry.h)
+  Vector6d step_passing = Vector6d::Zero();     ///< besides, variances of what does not
   bool planar = false;                          ///< 2-D data
 };
 

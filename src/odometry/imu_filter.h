@@ -38,6 +38,7 @@ class ImuFilter : public ImuEstimator {
   /// Inverse of baseCovariance().
   Matrix6d poseInformation() const override;
   Matrix6d stepCovariance() const override;
+  double shareOfStep() const override { return 0.1; }
   NavState nav() const override { return nav_; }
   ImuBias bias() const override { return bias_; }
   Eigen::Vector3d gravity() const override { return gravity_; }

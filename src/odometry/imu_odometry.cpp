@@ -167,6 +167,7 @@ int ImuOdometry::patience() const { return inertial_ && by_imu_ ? 50 : 5; }
 
 Matrix6d ImuOdometry::reportedCovariance() const {
   Matrix6d C = estimator_->stepCovariance();
+  if (by_imu_) C *= estimator_->shareOfStep();
   C.diagonal().array() += 1e-8;
   return C;
 }

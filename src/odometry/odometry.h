@@ -20,8 +20,12 @@ struct OdometryQuality {
 
 struct OdometryStep {
   Pose T_odom_base = Pose::Identity();  ///< at the scan's stamp
-  /// Covariance of the step T_previous_base, tangent of core/pose.h, in frame base. The first step has zero.
+  /// Covariance of the step T_previous_base, tangent of core/pose.h, in frame base: of the errors that stay, which add
+  /// up along the way. The first step has zero.
   Matrix6d covariance = Matrix6d::Zero();
+  /// Besides, variances of the errors that pass: a scan that was bent by the robot's shaking lies wrong itself, those
+  /// after it are not the worse for it. The error of the step has covariance + diag(passing).
+  Vector6d passing = Vector6d::Zero();
   Cloud cloud;  ///< the scan's points in frame base, motion-compensated to the stamp, finite, within range
   OdometryQuality quality;
 };

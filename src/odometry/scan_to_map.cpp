@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::size_t kThinAbove = 4000;  // smaller scans are used whole
 constexpr int kMisfitsBeforeRestart = 5;
-constexpr double kAdriftAfterS = 2;  // so long without a scan: the prediction has no claim any more
+constexpr double kUsualSweepS = 0.1;  // of a scan whose points have no times
+constexpr double kAdriftAfterS = 2;   // so long without a scan: the prediction has no claim any more
 
 // Shares of the usual inlier ratio. A scan that looks into new country has few points on the map and yet fits: a poor
 // share is a reason to search, only a very poor one to give up, and a far place must fit nearly as well as usual.
@@ -60,9 +61,11 @@ void ScanToMap::follow(const Scan& scan, Prepared& prepared, OdometryStep& out) 
                                         fit.match.clearRatio(), usual_inliers_);
     // What fits nowhere cannot tell a stop from going on.
     lose(scan, guess.recorded() ? guess.T_odom_base : T_odom_base_ * predictedStep(scan.stamp), why, out);
-    if (++misfits_ == kMisfitsBeforeRestart) restartMap(prepared.features, out.quality);
+    if (++misfits_ == kMisfitsBeforeRestart) restartMap(prepared, out.quality);
   } else {
     accept(scan, fit.match, jumped, out);
+    twist_ = fit.deskewed && !jumped ? std::optional(fit.twist) : std::nullopt;
+    out.passing = unsteadiness(prepared.cloud.hasTime() ? sweepDuration(prepared.raw[0]) : kUsualSweepS);
     insert(prepared.features, T_odom_base_);
     forgetBeyond(T_odom_base_.translation(), 1.25 * params_.max_range_m);
   }
@@ -173,17 +176,23 @@ bool ScanToMap::moreThanNoise(const Vector6d& twist, double sweep_s) const {
 }
 
 ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, const Guess& guess) const {
-  const double sweep_s = sweepDuration(prepared.raw[0]);
+  const double sweep_s = sweepDuration(prepared.raw[0]), since_s = secondsBetween(stamp_, scan.stamp);
+  // What a fit tells is where the robot was in the middle of the sweep; the pose at the stamp follows with the velocity
+  // that was assumed, `mid` steps before. So a velocity measured between stamps depends on the one assumed, and swings
+  // from scan to scan. Between the middles of two compensated sweeps it does not: that is taken; with the sweep before
+  // not compensated, the velocity that confirms itself.
+  const double mid = since_s > 0 ? meanTime(prepared.raw[0]) / since_s : 0;
   Fit fit;
   fit.deskewed = true;
   Guess from = guess;
   // The guessed velocity first; once more with the measured one when they differ (turns, starts, stops).
   for (int round = 0; round < 2; ++round) {
-    const Vector6d twist = twistOf(T_odom_base_.inverse() * from.T_odom_base, scan.stamp);
-    if (round > 0 && !moreThanNoise(twist - fit.twist, sweep_s)) break;
-    fit.twist = twist;
+    Vector6d change = twistOf(T_odom_base_.inverse() * from.T_odom_base, scan.stamp) - fit.twist;
+    if (round > 0) change = twist_ ? Vector6d(change + mid * (fit.twist - *twist_)) : change / std::max(1 + mid, 0.25);
+    if (round > 0 && !moreThanNoise(change, sweep_s)) break;
+    fit.twist += change;
     prepared.features = prepared.raw;
-    for (Cloud& part : prepared.features) compensate(part, twist);
+    for (Cloud& part : prepared.features) compensate(part, fit.twist);
     fit.match = matchFromGuess(prepared.features, from);
     from.T_odom_base = fit.match.T_map_scan;
   }
@@ -199,7 +208,7 @@ void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
     Features first = first_;
     for (Cloud& part : first) compensate(part, twist);
     clearMap();
-    insert(first, T_odom_base_);
+    insert(first, T_fitted_);
     fit = fitDeskewed(prepared, scan, {fit.match.T_map_scan, Matrix6d::Zero()});
   }
   first_.clear();
@@ -222,7 +231,9 @@ ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Gu
   if (!trial) return fitDeskewed(prepared, scan, guess);
   const Fit plain{matchFromGuess(prepared.raw, guess), Vector6d::Zero(), false};
   const Fit compensated = fitDeskewed(prepared, scan, guess);
-  deskew_evidence_ = 0.9 * deskew_evidence_ + (compensated.match.meanScore() - plain.match.meanScore());
+  // A scan that fits nowhere has no say.
+  if (std::max(share(plain.match), share(compensated.match)) >= kPoorShare)
+    deskew_evidence_ = 0.9 * deskew_evidence_ + (compensated.match.meanScore() - plain.match.meanScore());
   if (deskew_evidence_ >= 0) return compensated;
   prepared.features = prepared.raw;
   return plain;
@@ -281,11 +292,13 @@ bool ScanToMap::searched(const Features& features, const Guess& guess, Stamp sta
   return true;
 }
 
-void ScanToMap::restartMap(const Features& features, OdometryQuality& quality) {
+void ScanToMap::restartMap(const Prepared& prepared, OdometryQuality& quality) {
   clearMap();
-  insert(features, T_odom_base_);
+  insert(prepared.features, T_odom_base_);
+  if (slowSweeps()) first_ = prepared.raw;
   T_fitted_ = T_odom_base_;
   usual_inliers_ = 0;
+  misses_ = deskew_trials_ = 0;
   lost_ = misfits_ = 0;
   quality.note += "; local map restarted";
 }

@@ -126,11 +126,15 @@ class ScanToMap : public Odometry {
   /// Looks about the guess and, when nothing near fits, all around. @return the motion was found far from the guess.
   bool searched(const Features& features, const Guess& guess, Stamp stamp, MatchResult& match,
                 OdometryQuality& quality) const;
-  void restartMap(const Features& features, OdometryQuality& quality);
+  void restartMap(const Prepared& prepared, OdometryQuality& quality);
 
   /// @param jumped the motion was found by a search: it says nothing about the velocity of the next step.
   void accept(const Scan& scan, const MatchResult& match, bool jumped, OdometryStep& out);
   void lose(const Scan& scan, const Pose& T_odom_base_guess, const std::string& why, OdometryStep& out);
+  /// @param miss what the fit is off constant velocity's prediction (frame base).
+  void learnUnsteadiness(const Vector6d& miss);
+  /// Variances of what the robot's shaking within a sweep of this length does to a step.
+  Vector6d unsteadiness(double sweep_s) const;
   /// @param blind_s longer than kFollowedSteps without a scan.
   Matrix6d stepCovariance(const Matrix6d& information, const Pose& T_previous_base, double blind_s = 0) const;
 
@@ -143,10 +147,14 @@ class ScanToMap : public Odometry {
   bool planar_ = false;
   Features first_;  ///< of slow sweeps: the map's only scan as it was seen; empty once a velocity is known
   Pose T_odom_base_ = Pose::Identity();
-  Pose T_fitted_ = Pose::Identity();  ///< where the last scan was that fitted
-  Pose T_step_ = Pose::Identity();    ///< last motion, T_previous_base
-  double step_s_ = 0;                 ///< its duration; 0: unknown
-  bool moving_known_ = false;         ///< T_step_ was measured
+  Pose T_fitted_ = Pose::Identity();         ///< where the last scan was that fitted
+  Pose T_step_ = Pose::Identity();           ///< last motion, T_previous_base
+  double step_s_ = 0;                        ///< its duration; 0: unknown
+  bool moving_known_ = false;                ///< T_step_ was measured
+  std::optional<Vector6d> twist_;            ///< that the last sweep was compensated for, if it was
+  Vector6d miss_ = Vector6d::Zero();         ///< of constant velocity at the last scan
+  Vector6d miss_change_ = Vector6d::Zero();  ///< mean square of its change from scan to scan
+  int misses_ = 0;                           ///< that this is the mean of
   Stamp stamp_{};
   std::optional<Pose> T_recorded_;  ///< the recording's own pose at stamp_
   double usual_inliers_ = 0;        ///< running level of a good fit's inlier ratio

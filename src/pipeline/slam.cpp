@@ -80,6 +80,7 @@ void Slam::addKeyframe(const Scan& scan, const OdometryStep& step) {
   keyframe.stamp = scan.stamp;
   keyframe.planar = scan.planar;
   selector_.accept(keyframe);
+  keyframe.step_passing = step.passing;
 
   const Pose T_map_base = appendNode(graph_, keyframes_, keyframe, params_.graph);
   keyframes_.push_back(keyframe);

@@ -58,6 +58,7 @@ void getKeyframe(ByteReader& in, JournalContents& contents) {
   in.get(files.descriptor_bytes);
   in.get(files.scan_crc);
   in.get(files.descriptor_crc);
+  if (!in.done()) in.get(keyframe.step_passing);  // older sessions do not have it
   if (keyframe.id != contents.keyframes.size())
     throw inputError("keyframe {} follows keyframe {}", keyframe.id, contents.keyframes.size());
   if (contents.poses_deferred && !contents.keyframes.empty())  // T_map_base belongs to an unrecorded optimisation
@@ -237,6 +238,7 @@ void Journal::append(const Keyframe& keyframe, const Pose& T_map_base, const Key
   out.put(files.descriptor_bytes);
   out.put(files.scan_crc);
   out.put(files.descriptor_crc);
+  out.put(keyframe.step_passing);
   appendBody(out.bytes());
 }
 

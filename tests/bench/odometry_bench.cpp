@@ -46,7 +46,8 @@ struct Truth {
     if (!truth.empty() && step.quality.ok) {
       const scslam::Vector6d d =
           scslam::local(truth.back().inverse() * *T_world_base, estimate.back().inverse() * step.T_odom_base);
-      nees.push_back(d.dot(step.covariance.inverse() * d));
+      const scslam::Matrix6d covariance = step.covariance + scslam::Matrix6d(step.passing.asDiagonal());
+      nees.push_back(d.dot(covariance.inverse() * d));
     }
     truth.push_back(*T_world_base);
     estimate.push_back(step.T_odom_base);

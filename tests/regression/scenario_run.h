@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "scslam/apps/evaluate.h"
+#include "scslam/apps/nees.h"
 #include "sim/scenario.h"
 
 namespace scslam::test {
 
 struct ScenarioFigures {
   Evaluation evaluation;
+  StepConsistency steps;
   double z_rmse_m = 0;
   double sim_wall_s = 0, run_wall_s = 0;
   std::string collision;

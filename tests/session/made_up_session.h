@@ -87,7 +87,10 @@ struct MadeUpSession {
     keyframe.stamp = stampFromSeconds(1e9 + 0.1 * static_cast<double>(i));
     keyframe.T_odom_base = odometryAt(i);
     keyframe.travelled_m = 4.0 * static_cast<double>(i);
-    if (keyframe.id > 0) keyframe.step_covariance = 1e-4 * Matrix6d::Identity();
+    if (keyframe.id > 0) {
+      keyframe.step_covariance = 1e-4 * Matrix6d::Identity();
+      keyframe.step_passing << 1e-4, 2e-4, 3e-4, 4e-6, 5e-6, 6e-6 * keyframe.id;
+    }
     const Pose T_map_odom = poses.empty() ? Pose::Identity() : poses.back() * keyframes.back().T_odom_base.inverse();
     keyframes.push_back(keyframe);
     poses.push_back(T_map_odom * keyframe.T_odom_base);

@@ -92,6 +92,10 @@ TEST(SessionWriter, SessionReadsBackBitForBit) {
   ASSERT_EQ(session.keyframes().size(), 8u);
   EXPECT_EQ(session.scans()[5].T_odom_base.matrix(), made.odometryAt(5).matrix());
   EXPECT_EQ(session.keyframes()[3].stamp, session.scans()[9].stamp);
+  EXPECT_EQ(session.keyframes()[3].step_covariance, Matrix6d(1e-4 * Matrix6d::Identity()));
+  Vector6d passing;
+  passing << 1e-4, 2e-4, 3e-4, 4e-6, 5e-6, 18e-6;
+  EXPECT_EQ(session.keyframes()[3].step_passing, passing);
   for (KeyframeId k = 0; k < 8; ++k) {
     EXPECT_EQ(session.cloud(k).x, made.cloudOf(k).x);
     EXPECT_EQ(session.cloud(k).intensity, made.cloudOf(k).intensity);
