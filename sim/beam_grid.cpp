@@ -35,12 +35,13 @@ BeamGrid::BeamGrid(const SensorModel& sensor) : rings_(sensor.rings), columns_(s
                      sensor.elevation_deg.size());
   if (sensor.beams.blind_deg.size() % 2 != 0)
     throw usageError("the sensor table '{}': blind_deg needs pairs of azimuths", sensor.name);
-  tile_rings_ = rings_ >= 4 ? 4 : 1, tile_columns_ = 16 / tile_rings_;
-  tiles_across_ = static_cast<std::size_t>((rings_ + tile_rings_ - 1) / tile_rings_);
-  tiles_ = tiles_across_ * static_cast<std::size_t>((columns_ + tile_columns_ - 1) / tile_columns_);
+  ring_bits_ = rings_ >= 4 ? 2 : 0, column_bits_ = 4 - ring_bits_;
+  tiles_across_ = tileOf(0, rings_ - 1) + 1;
+  tiles_ = tileOf(columns_ - 1, rings_ - 1) + 1;
   column_s_ = sensor.beams.column_s > 0 ? sensor.beams.column_s : sensor.sweep_s / columns_;
   directions_.assign(tiles_ * 48, 0);
   active_.assign(tiles_, 0);
+  shares_.assign(tiles_ * 16, 0);
   const BeamTable& beams = sensor.beams;
   if (beams.origin_radius_m > 0 || !beams.height_m.empty() || !beams.lateral_m.empty()) origins_.assign(tiles_ * 48, 0);
   for (int r = 0; r < rings_; ++r) times_.push_back(ofRing(beams.time_us, r) * 1e-6);
@@ -63,6 +64,8 @@ void BeamGrid::addBeam(std::size_t tile, int lane, const SensorModel& sensor) {
   direction[0] = static_cast<float>(std::cos(elevation) * std::cos(azimuth));
   direction[16] = static_cast<float>(std::cos(elevation) * std::sin(azimuth));
   direction[32] = static_cast<float>(std::sin(elevation));
+  shares_[tile * 16 + static_cast<std::size_t>(lane)] =
+      std::min(1.0F, static_cast<float>((columnTime(column) + beamTime(ring)) / sweep()));
   if (!origins_.empty()) {
     float* origin = &origins_[tile * 48 + static_cast<std::size_t>(lane)];
     const double left = ofRing(beams.lateral_m, ring);

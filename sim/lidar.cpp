@@ -6,44 +6,13 @@
 #include <limits>
 #include <numeric>
 
+#include "scslam/core/simd.h"
+
 namespace scslam::sim {
 
 namespace {
 
 constexpr std::size_t kColumnsPerChunk = 32;  ///< a multiple of every tile's columns
-
-/// Sixteen of each: rotation (9), origin (3), ready for the lanes of the tiles that hold one group of columns.
-struct alignas(64) LanePoses {
-  float m[12][16];
-};
-
-template <class ColumnPose>
-LanePoses lanePoses(const std::vector<ColumnPose>& columns, const BeamGrid& grid, std::size_t tile) {
-  LanePoses poses;
-  for (int lane = 0; lane < 16; ++lane) {
-    const auto c = static_cast<std::size_t>(std::min(grid.columnOf(tile, lane), grid.columns() - 1));
-    for (int k = 0; k < 9; ++k) poses.m[k][lane] = columns[c].R[static_cast<std::size_t>(k)];
-    for (int k = 0; k < 3; ++k) poses.m[9 + k][lane] = columns[c].t[static_cast<std::size_t>(k)];
-  }
-  return poses;
-}
-
-/// Directions (and origins, when there are any) of a tile, turned into the world.
-void turn(const LanePoses& poses, const float* d, const float* o, RTCRay16& ray) {
-  const auto& m = poses.m;
-  for (int i = 0; i < 16; ++i) {
-    ray.dir_x[i] = m[0][i] * d[i] + m[1][i] * d[16 + i] + m[2][i] * d[32 + i];
-    ray.dir_y[i] = m[3][i] * d[i] + m[4][i] * d[16 + i] + m[5][i] * d[32 + i];
-    ray.dir_z[i] = m[6][i] * d[i] + m[7][i] * d[16 + i] + m[8][i] * d[32 + i];
-    ray.org_x[i] = m[9][i], ray.org_y[i] = m[10][i], ray.org_z[i] = m[11][i];
-  }
-  if (o == nullptr) return;
-  for (int i = 0; i < 16; ++i) {
-    ray.org_x[i] += m[0][i] * o[i] + m[1][i] * o[16 + i] + m[2][i] * o[32 + i];
-    ray.org_y[i] += m[3][i] * o[i] + m[4][i] * o[16 + i] + m[5][i] * o[32 + i];
-    ray.org_z[i] += m[6][i] * o[i] + m[7][i] * o[16 + i] + m[8][i] * o[32 + i];
-  }
-}
 
 void reset(RayPacket& rays, float max_range) {
   for (int i = 0; i < 16; ++i) {
@@ -95,14 +64,41 @@ void Lidar::poseColumns(const Trajectory& drive, double start_s, ThreadPool& thr
   });
 }
 
+Lidar::LanePoses Lidar::lanePoses(std::size_t tile) const {
+  LanePoses poses;
+  for (int lane = 0; lane < 16; ++lane) {
+    const auto c = static_cast<std::size_t>(std::min(grid_.columnOf(tile, lane), grid_.columns() - 1));
+    for (int k = 0; k < 9; ++k) poses.m[k][lane] = columns_[c].R[static_cast<std::size_t>(k)];
+    for (int k = 0; k < 3; ++k) poses.m[9 + k][lane] = columns_[c].t[static_cast<std::size_t>(k)];
+  }
+  return poses;
+}
+
+/// Directions (and origins, when there are any) of a tile, turned into the world.
+SCSLAM_KERNEL
+void Lidar::turn(const LanePoses& poses, const float* d, const float* o, RTCRay16& ray) {
+  const auto& m = poses.m;
+  for (int i = 0; i < 16; ++i) {
+    ray.dir_x[i] = m[0][i] * d[i] + m[1][i] * d[16 + i] + m[2][i] * d[32 + i];
+    ray.dir_y[i] = m[3][i] * d[i] + m[4][i] * d[16 + i] + m[5][i] * d[32 + i];
+    ray.dir_z[i] = m[6][i] * d[i] + m[7][i] * d[16 + i] + m[8][i] * d[32 + i];
+    ray.org_x[i] = m[9][i], ray.org_y[i] = m[10][i], ray.org_z[i] = m[11][i];
+  }
+  if (o == nullptr) return;
+  for (int i = 0; i < 16; ++i) {
+    ray.org_x[i] += m[0][i] * o[i] + m[1][i] * o[16 + i] + m[2][i] * o[32 + i];
+    ray.org_y[i] += m[3][i] * o[i] + m[4][i] * o[16 + i] + m[5][i] * o[32 + i];
+    ray.org_z[i] += m[6][i] * o[i] + m[7][i] * o[16 + i] + m[8][i] * o[32 + i];
+  }
+}
+
 /// Beams that fire after their column began: the robot went on meanwhile (first order: at most 48 us).
 void Lidar::aim(RayPacket& rays, std::size_t tile) const {
+  std::copy_n(grid_.times(tile), 16, rays.ray.time);
+  if (!grid_.beamsHaveTimes() || !effects_.rolling) return;
   for (int i = 0; i < 16; ++i) {
     const int ring = std::min(grid_.ringOf(tile, i), grid_.rings() - 1);
     const int column = std::min(grid_.columnOf(tile, i), grid_.columns() - 1);
-    const double after = grid_.columnTime(column) + grid_.beamTime(ring);
-    rays.ray.time[i] = std::min(1.0F, static_cast<float>(after / grid_.sweep()));
-    if (!grid_.beamsHaveTimes() || !effects_.rolling) continue;
     const ColumnPose& pose = columns_[static_cast<std::size_t>(column)];
     const auto dt = static_cast<float>(grid_.beamTime(ring));
     rays.ray.org_x[i] += dt * pose.velocity[0];
@@ -115,12 +111,10 @@ void Lidar::aim(RayPacket& rays, std::size_t tile) const {
   }
 }
 
-Lidar::Echo Lidar::echoOf(const RayScene& scene, const RayPacket& rays, int lane) const {
+Lidar::Echo Lidar::echoOf(const RayScene& scene, const RayPacket& rays, int lane, float cosine) const {
   if (rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
   const float r = rays.ray.tfar[lane];
   const Surface surface = scene.surface(rays, lane);
-  const Eigen::Vector3f n = scene.normal(rays, lane);
-  const float cosine = -(n.x() * rays.ray.dir_x[lane] + n.y() * rays.ray.dir_y[lane] + n.z() * rays.ray.dir_z[lane]);
   const SignalModel& s = sensor_.signal;
   const Material& m = *surface.material;
   const float lobe = std::clamp((cosine - 0.5F) / 0.5F, 0.0F, 1.0F);
@@ -132,19 +126,21 @@ Lidar::Echo Lidar::echoOf(const RayScene& scene, const RayPacket& rays, int lane
   return {r, strength * static_cast<float>(s.gain) / (r * r), surface.label, surface.instance};
 }
 
-void Lidar::traceTile(const RayScene& scene, std::size_t tile) {
-  const LanePoses poses = lanePoses(columns_, grid_, tile);
+void Lidar::traceTile(const RayScene& scene, std::size_t tile, const LanePoses& poses) {
   RayPacket rays;
   turn(poses, grid_.directions(tile), grid_.origins(tile), rays.ray);
   reset(rays, static_cast<float>(sensor_.max_range_m));
   aim(rays, tile);
   const std::uint32_t active = grid_.active(tile);
   if (active != 0) scene.trace(rays, active);
+  float cosine[16];
+  scene.incidence(rays, cosine);
+  const int first_ring = grid_.ringOf(tile, 0), first_column = grid_.columnOf(tile, 0);
   for (int i = 0; i < 16; ++i) {
-    const int ring = grid_.ringOf(tile, i), column = grid_.columnOf(tile, i);
+    const int ring = first_ring + grid_.ringOf(0, i), column = first_column + grid_.columnOf(0, i);
     if (ring >= grid_.rings() || column >= grid_.columns()) continue;
     echoes_[static_cast<std::size_t>(column * grid_.rings() + ring)] =
-        (active >> i & 1U) != 0 ? echoOf(scene, rays, i) : Echo{};
+        (active >> i & 1U) != 0 ? echoOf(scene, rays, i, cosine[i]) : Echo{};
   }
 }
 
@@ -156,7 +152,11 @@ LidarScan Lidar::scan(const RayScene& scene, const Trajectory& drive, double sta
   const std::size_t tiles_per_chunk =
       grid_.tilesAcross() * (kColumnsPerChunk / static_cast<std::size_t>(grid_.tileColumns()));
   threads.forEachChunk(grid_.tiles(), tiles_per_chunk, [&](std::size_t begin, std::size_t end, std::size_t) {
-    for (std::size_t tile = begin; tile < end; ++tile) traceTile(scene, tile);
+    LanePoses poses;
+    for (std::size_t tile = begin; tile < end; ++tile) {
+      if (tile % grid_.tilesAcross() == 0) poses = lanePoses(tile);
+      traceTile(scene, tile, poses);
+    }
   });
   for (std::size_t tile = 0; tile < grid_.tiles(); ++tile)
     rays_ += static_cast<std::uint64_t>(std::popcount(grid_.active(tile)));

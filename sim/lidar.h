@@ -30,19 +30,21 @@ class BeamGrid {
   int columns() const { return columns_; }
   std::size_t tiles() const { return tiles_; }
   std::size_t tilesAcross() const { return tiles_across_; }  ///< tiles that hold the same columns
-  int tileColumns() const { return tile_columns_; }
+  int tileColumns() const { return 1 << column_bits_; }
   /// Ring and column of a lane of a tile; ring >= rings() or column >= columns(): an empty lane.
   int ringOf(std::size_t tile, int lane) const {
-    return static_cast<int>(tile % tiles_across_) * tile_rings_ + lane / tile_columns_;
+    return (static_cast<int>(tile % tiles_across_) << ring_bits_) + (lane >> column_bits_);
   }
   int columnOf(std::size_t tile, int lane) const {
-    return static_cast<int>(tile / tiles_across_) * tile_columns_ + lane % tile_columns_;
+    return (static_cast<int>(tile / tiles_across_) << column_bits_) + (lane & ((1 << column_bits_) - 1));
   }
   std::size_t tileOf(int column, int ring) const {
-    return static_cast<std::size_t>(column / tile_columns_) * tiles_across_ +
-           static_cast<std::size_t>(ring / tile_rings_);
+    return static_cast<std::size_t>(column >> column_bits_) * tiles_across_ +
+           static_cast<std::size_t>(ring >> ring_bits_);
   }
-  int laneOf(int column, int ring) const { return ring % tile_rings_ * tile_columns_ + column % tile_columns_; }
+  int laneOf(int column, int ring) const {
+    return (ring & ((1 << ring_bits_) - 1)) << column_bits_ | (column & ((1 << column_bits_) - 1));
+  }
   /// Column in which `other` ring looks to where `ring` looks in `column` (beams of a column may be staggered).
   int sameAzimuth(int column, int ring, int other) const {
     const auto shift = [this](int r) { return shift_[static_cast<std::size_t>(r)]; };
@@ -56,6 +58,7 @@ class BeamGrid {
     return origins_.empty() ? Eigen::Vector3f::Zero() : lane(origins_, column, ring);
   }
   const float* directions(std::size_t tile) const { return &directions_[tile * 48]; }  ///< x[16] y[16] z[16], unit
+  const float* times(std::size_t tile) const { return &shares_[tile * 16]; }  ///< of firing, as shares of the sweep
   const float* origins(std::size_t tile) const { return origins_.empty() ? nullptr : &origins_[tile * 48]; }
   std::uint32_t active(std::size_t tile) const { return active_[tile]; }  ///< lanes that exist and are not blind
   double columnTime(int column) const { return column * column_s_; }      ///< [s] after the start of the sweep
@@ -69,11 +72,11 @@ class BeamGrid {
     return {p[0], p[16], p[32]};
   }
   void addBeam(std::size_t tile, int lane, const SensorModel& sensor);
-  int rings_, columns_, tile_rings_, tile_columns_;
+  int rings_, columns_, ring_bits_, column_bits_;  ///< a tile has 1 << ring_bits_ rings, 16 lanes
   std::size_t tiles_across_, tiles_;
   double column_s_;
   bool beams_have_times_ = false;
-  std::vector<float> directions_, origins_;
+  std::vector<float> directions_, origins_, shares_;
   std::vector<double> times_;
   std::vector<int> shift_;  ///< columns by which a ring's azimuth offset leads
   std::vector<std::uint32_t> active_;
@@ -125,10 +128,17 @@ class Lidar {
     std::array<float, 3> spin;      ///< angular velocity, world frame [rad/s]
     std::array<float, 3> velocity;  ///< of the sensor in the world [m/s]
   };
+  /// Poses for the lanes of the tiles that hold one group of columns: rotation (9), origin (3).
+  struct alignas(64) LanePoses {
+    float m[12][16];
+  };
+  static void turn(const LanePoses& poses, const float* d, const float* o, RTCRay16& ray);
+  LanePoses lanePoses(std::size_t tile) const;
   void poseColumns(const Trajectory& drive, double start_s, ThreadPool& threads);
   void aim(RayPacket& rays, std::size_t tile) const;
-  void traceTile(const RayScene& scene, std::size_t tile);
-  Echo echoOf(const RayScene& scene, const RayPacket& rays, int lane) const;
+  void traceTile(const RayScene& scene, std::size_t tile, const LanePoses& poses);
+  /// @param cosine of the ray's angle to the surface.
+  Echo echoOf(const RayScene& scene, const RayPacket& rays, int lane, float cosine) const;
   /// @return rays traced.
   std::uint64_t splitBeams(const RayScene& scene, const std::vector<Echo>& centres, int first_column, int last_column);
   /// @return whether an edge may split this beam, which way.
@@ -136,7 +146,13 @@ class Lidar {
   void splitSome(const RayScene& scene, const SplitBeams& beams, std::size_t n);
   void choose(std::array<Echo, kBeamParts>& parts, std::size_t beam);
   bool isLost(float signal, float u) const;
-  bool report(Echo echo, int column, int ring, std::uint32_t number, std::uint32_t draw, LidarScan& out) const;
+  /// What the sensor says of an echo, or that it says nothing.
+  struct Beam {
+    int column, ring;
+    std::uint32_t draw;     ///< the how manieth echo of the beam
+    float normal, uniform;  ///< random
+  };
+  bool report(Echo echo, const Beam& beam, std::uint32_t number, LidarScan& out, std::size_t at) const;
   void collect(int first_column, int last_column, std::uint32_t number, LidarScan& out) const;
   static LidarScan joined(const std::vector<LidarScan>& parts);
 

@@ -12,6 +12,9 @@ namespace {
 /// Rays that stand for a split beam: its centre and one on each side of the edge, at 0.4 of the width at half power.
 constexpr float kCentreShare = 0.5F, kSideShare = 0.25F, kSide = 0.4F;
 
+/// Of what is not negative.
+float rounded(float value) { return static_cast<float>(static_cast<std::int64_t>(value + 0.5F)); }
+
 /// Echoes of a beam that the receiver cannot tell apart, as one.
 struct Pulse {
   float weighted_range = 0, signal = 0, last = 0;
@@ -80,10 +83,13 @@ void Lidar::splitSome(const RayScene& scene, const SplitBeams& beams, std::size_
     rays.hit.geomID[i] = rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   scene.trace(rays, (1U << (n * kAround)) - 1);
+  float cosine[16];
+  scene.incidence(rays, cosine);
   for (std::size_t k = 0; k < n; ++k) {
     std::array<Echo, kBeamParts> parts;
     for (std::size_t i = 0; i < kAround; ++i) {
-      parts[i] = echoOf(scene, rays, static_cast<int>(k * kAround + i));
+      const std::size_t lane = k * kAround + i;
+      parts[i] = echoOf(scene, rays, static_cast<int>(lane), cosine[lane]);
       parts[i].signal *= kSideShare;
     }
     const auto beam = static_cast<std::size_t>(beams[k].column * grid_.rings() + beams[k].ring);
@@ -119,33 +125,33 @@ void Lidar::choose(std::array<Echo, kBeamParts>& parts, std::size_t beam) {
   }
 }
 
-bool Lidar::report(Echo echo, int column, int ring, std::uint32_t number, std::uint32_t draw, LidarScan& out) const {
+bool Lidar::report(Echo echo, const Beam& beam, std::uint32_t number, LidarScan& out, std::size_t at) const {
   const SignalModel& s = sensor_.signal;
-  const auto words = random_.block(number, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(ring), draw);
   if (!weather_.clear()) {
-    const auto more =
-        random_.block(number, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(ring), draw + 16);
+    const auto more = random_.block(number, static_cast<std::uint32_t>(beam.column),
+                                    static_cast<std::uint32_t>(beam.ring), beam.draw + 16);
     const float u[3] = {uniformOf(more[0]), uniformOf(more[1]), uniformOf(more[2])};
     const float hard = echo.range > 0 ? echo.range : static_cast<float>(sensor_.max_range_m);
     if (const auto air = static_cast<float>(weather_.airEcho(static_cast<double>(hard), u)); air > 0)
       echo = {air, static_cast<float>(s.floor) * 1.5F, static_cast<std::uint16_t>(Label::kOutlier), 0};
   }
   if (echo.range <= 0) return false;
-  if (effects_.dropout && isLost(echo.signal, uniformOf(words[1]))) return false;
+  if (effects_.dropout && isLost(echo.signal, beam.uniform)) return false;
   float r = echo.range;
   if (effects_.noise) {
     float sigma = static_cast<float>(s.sigma_m) + static_cast<float>(s.sigma_per_m) * r;
     if (s.sigma_signal_m > 0) sigma += static_cast<float>(s.sigma_signal_m) * std::pow(echo.signal, -0.63F);
-    r += sigma * normalOf(words[0]);
-    if (const auto q = static_cast<float>(sensor_.beams.range_quantum_m); q > 0) r = std::round(r / q) * q;
+    r += sigma * beam.normal;
+    if (const auto q = static_cast<float>(sensor_.beams.range_quantum_m); q > 0) r = rounded(r / q) * q;
   }
   if (r < static_cast<float>(sensor_.min_range_m) || r > static_cast<float>(sensor_.max_range_m)) return false;
-  const Eigen::Vector3f p = grid_.origin(column, ring) + r * grid_.direction(column, ring);
-  out.cloud.push(p.x(), p.y(), p.z());
-  out.cloud.intensity.push_back(std::min(std::round(echo.signal), static_cast<float>(s.saturation)));
-  out.cloud.dt.push_back(static_cast<float>(grid_.columnTime(column) + grid_.beamTime(ring)));
-  out.cloud.ring.push_back(static_cast<std::uint16_t>(ring));
-  out.labels.push_back(std::uint32_t{echo.label} | std::uint32_t{echo.instance} << 16);
+  const Eigen::Vector3f p = grid_.origin(beam.column, beam.ring) + r * grid_.direction(beam.column, beam.ring);
+  Cloud& cloud = out.cloud;
+  cloud.x[at] = p.x(), cloud.y[at] = p.y(), cloud.z[at] = p.z();
+  cloud.intensity[at] = rounded(std::min(echo.signal, static_cast<float>(s.saturation)));
+  cloud.dt[at] = static_cast<float>(grid_.columnTime(beam.column) + grid_.beamTime(beam.ring));
+  cloud.ring[at] = static_cast<std::uint16_t>(beam.ring);
+  out.labels[at] = std::uint32_t{echo.label} | std::uint32_t{echo.instance} << 16;
   return true;
 }
 
@@ -163,16 +169,28 @@ bool Lidar::isLost(float signal, float u) const {
 }
 
 void Lidar::collect(int first_column, int last_column, std::uint32_t number, LidarScan& out) const {
-  const auto most = static_cast<std::size_t>((last_column - first_column) * grid_.rings());
-  out.cloud.reserve(most), out.labels.reserve(most);
-  out.cloud.intensity.reserve(most), out.cloud.dt.reserve(most), out.cloud.ring.reserve(most);
-  for (int column = first_column; column < last_column; ++column)
+  const auto rings = static_cast<std::size_t>(grid_.rings());
+  const std::size_t beams = static_cast<std::size_t>(last_column - first_column) * rings;
+  const auto resize = [&out](std::size_t n) {
+    for (auto* values : {&out.cloud.x, &out.cloud.y, &out.cloud.z, &out.cloud.intensity, &out.cloud.dt})
+      values->resize(n);
+    out.cloud.ring.resize(n), out.labels.resize(n);
+  };
+  resize(effects_.returns == "dual" ? 2 * beams : beams);
+  std::vector<float> normal(rings), uniform(rings);
+  std::size_t n = 0;
+  for (int column = first_column; column < last_column; ++column) {
+    random_.drawColumn(number, static_cast<std::uint32_t>(column), rings, normal.data(), uniform.data());
     for (int ring = 0; ring < grid_.rings(); ++ring) {
-      const auto beam = static_cast<std::size_t>(column * grid_.rings() + ring);
       if (!grid_.isActive(column, ring)) continue;
-      report(echoes_[beam], column, ring, number, 0, out);
-      if (second_[beam].range > 0) report(second_[beam], column, ring, number, 1, out);
+      const auto r = static_cast<std::size_t>(ring), i = static_cast<std::size_t>(column) * rings + r;
+      n += report(echoes_[i], {column, ring, 0, normal[r], uniform[r]}, number, out, n);
+      if (second_[i].range <= 0) continue;
+      const auto words = random_.block(number, static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(ring), 1);
+      n += report(second_[i], {column, ring, 1, normalOf(words[0]), uniformOf(words[1])}, number, out, n);
     }
+  }
+  resize(n);
 }
 
 }  // namespace scslam::sim

@@ -3,6 +3,7 @@
 #include <pmmintrin.h>
 
 #include "scslam/core/error.h"
+#include "scslam/core/simd.h"
 
 namespace scslam::sim {
 
@@ -51,9 +52,19 @@ RTCQuaternionDecomposition decomposed(const Pose& T) {
   return q;
 }
 
+/// Of what stands still.
+SCSLAM_KERNEL
+void cosines(const RayPacket& rays, float (&cosine)[16]) {
+  const auto& h = rays.hit;
+  for (int i = 0; i < 16; ++i) {
+    const float along = h.Ng_x[i] * rays.ray.dir_x[i] + h.Ng_y[i] * rays.ray.dir_y[i] + h.Ng_z[i] * rays.ray.dir_z[i];
+    cosine[i] = std::abs(along) / std::sqrt(h.Ng_x[i] * h.Ng_x[i] + h.Ng_y[i] * h.Ng_y[i] + h.Ng_z[i] * h.Ng_z[i]);
+  }
+}
+
 }  // namespace
 
-RayScene::RayScene(const World& world) : world_(world) {
+RayScene::RayScene(const World& world) : world_(world), materials_(materials().data()) {
   if (world.mesh.empty()) throw usageError("the world '{}' has no triangles", world.name);
   _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
@@ -116,7 +127,7 @@ void RayScene::poseActors(double t0, double t1, const std::optional<Eigen::Vecto
 Surface RayScene::surface(const RayPacket& rays, int i) const {
   const unsigned part = rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID ? 0 : rays.hit.instID[0][i];
   const std::uint16_t material = meshes_[part]->material[rays.hit.primID[i]];
-  const Material& made_of = materials()[material];
+  const Material& made_of = materials_[material];
   if (part == 0)
     return {&made_of, material, static_cast<std::uint16_t>(made_of.label), meshes_[0]->instance[rays.hit.primID[i]]};
   const Actor& actor = world_.actors[part - 1];
@@ -125,11 +136,26 @@ Surface RayScene::surface(const RayPacket& rays, int i) const {
           actor.instance, true};
 }
 
-Eigen::Vector3f RayScene::normal(const RayPacket& rays, int i) const {
-  Eigen::Vector3f n(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
+Eigen::Vector3f RayScene::across(const RayPacket& rays, int i) const {
+  const Eigen::Vector3f n(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
   const unsigned part = rays.hit.instID[0][i];
-  if (part != RTC_INVALID_GEOMETRY_ID && part != 0) n = rotation_[part][rays.ray.time[i] < 0.5F ? 0 : 1] * n;
-  n.normalize();
+  if (part == RTC_INVALID_GEOMETRY_ID || part == 0) return n;
+  return rotation_[part][rays.ray.time[i] < 0.5F ? 0 : 1] * n;
+}
+
+void RayScene::incidence(const RayPacket& rays, float (&cosine)[16]) const {
+  cosines(rays, cosine);
+  if (world_.actors.empty()) return;
+  for (int i = 0; i < 16; ++i) {
+    if (rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID || rays.hit.instID[0][i] == 0) continue;
+    const Eigen::Vector3f n = across(rays, i);
+    const float along = n.x() * rays.ray.dir_x[i] + n.y() * rays.ray.dir_y[i] + n.z() * rays.ray.dir_z[i];
+    cosine[i] = std::abs(along) / std::sqrt(n.squaredNorm());
+  }
+}
+
+Eigen::Vector3f RayScene::normal(const RayPacket& rays, int i) const {
+  const Eigen::Vector3f n = across(rays, i).normalized();
   const Eigen::Vector3f d(rays.ray.dir_x[i], rays.ray.dir_y[i], rays.ray.dir_z[i]);
   return n.dot(d) > 0 ? Eigen::Vector3f(-n) : n;
 }

@@ -59,14 +59,18 @@ class RayScene {
 
   /// The surface of ray i of a packet that hit.
   Surface surface(const RayPacket& rays, int i) const;
-  /// Unit normal in the world, against the ray. @param time of that ray.
+  /// Unit normal in the world, against the ray.
   Eigen::Vector3f normal(const RayPacket& rays, int i) const;
+  /// Of each ray (of unit length) that hit, the cosine of the angle to the normal: 0 … 1; of the others, anything.
+  void incidence(const RayPacket& rays, float (&cosine)[16]) const;
   std::uint16_t materialOf(const RayPacket& rays, int i) const {
     return meshes_[rays.hit.instID[0][i] == RTC_INVALID_GEOMETRY_ID ? 0 : rays.hit.instID[0][i]]
         ->material[rays.hit.primID[i]];
   }
 
  private:
+  /// Normal in the world, of any length and sign.
+  Eigen::Vector3f across(const RayPacket& rays, int i) const;
   /// A ray without length. Where the processor has no vectors of 16, Embree looks at the rays of a packet that are not
   /// valid, too, and aborts when there is garbage in them.
   static void blank(RayPacket& rays, int i) {
@@ -78,6 +82,7 @@ class RayScene {
   }
 
   const World& world_;
+  const Material* materials_;  ///< materials(), without the check that they are made
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   std::vector<RTCScene> parts_;  ///< per mesh, when there are actors

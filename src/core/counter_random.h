@@ -3,7 +3,9 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace scslam {
@@ -25,22 +27,46 @@ inline float uniformOf(std::uint32_t word) {
   return std::min((static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F, 0x1.fffffep-1F);
 }
 
+/// Natural logarithm of a positive normal number, to 2e-7: the polynomial of Cephes (Moshier 1989), without a call or a
+/// branch, so that many are taken at once, and with the same bits on any machine.
+inline float logOf(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  const std::int32_t exponent = (bits - 0x3F3504F3) >> 23;  // of sqrt(1/2) … sqrt(2)
+  const float f = std::bit_cast<float>(bits - (exponent << 23)) - 1.0F, e = static_cast<float>(exponent), z = f * f;
+  float p = 7.0376836292e-2F;
+  p = p * f - 1.1514610310e-1F, p = p * f + 1.1676998740e-1F, p = p * f - 1.2420140846e-1F;
+  p = p * f + 1.4249322787e-1F, p = p * f - 1.6668057665e-1F, p = p * f + 2.0000714765e-1F;
+  p = p * f - 2.4999993993e-1F, p = p * f + 3.3333331174e-1F;
+  return f + (p * f * z - 2.12194440e-4F * e - 0.5F * z) + 0.693359375F * e;
+}
+
 /// Standard normal from a word by the inverse error function (Giles 2010, single precision): one word, one number.
-inline float normalOf(std::uint32_t word) {
-  const float x = std::min((static_cast<float>(word >> 8) + 0.5F) * 0x1p-23F - 1.0F, 1 - 0x1p-24F);
-  float w = -std::log((1.0F - x) * (1.0F + x)), p;
-  if (w < 5.0F) {
-    w -= 2.5F;
-    p = 2.81022636e-08F, p = 3.43273939e-07F + p * w, p = -3.5233877e-06F + p * w, p = -4.39150654e-06F + p * w;
-    p = 0.00021858087F + p * w, p = -0.00125372503F + p * w, p = -0.00417768164F + p * w, p = 0.246640727F + p * w;
-    p = 1.50140941F + p * w;
-  } else {
-    w = std::sqrt(w) - 3.0F;
-    p = -0.000200214257F, p = 0.000100950558F + p * w, p = 0.00134934322F + p * w, p = -0.00367342844F + p * w;
-    p = 0.00573950773F + p * w, p = -0.0076224613F + p * w, p = 0.00943887047F + p * w, p = 1.00167406F + p * w;
-    p = 2.83297682F + p * w;
+/// In parts, so that many can be taken at once: symmetricOf() the word, tailOf() that, then x times the polynomial for
+/// the middle (w < 5) or the tail.
+struct InverseError {
+  static float symmetricOf(std::uint32_t word) {  ///< (-1, 1)
+    return std::min((static_cast<float>(word >> 8) + 0.5F) * 0x1p-23F - 1.0F, 1 - 0x1p-24F);
   }
-  return 1.41421356F * p * x;
+  static float tailOf(float x) { return -logOf((1.0F - x) * (1.0F + x)); }
+  static float middle(float w) {
+    const float a = w - 2.5F;
+    float p = 2.81022636e-08F;
+    p = 3.43273939e-07F + p * a, p = -3.5233877e-06F + p * a, p = -4.39150654e-06F + p * a;
+    p = 0.00021858087F + p * a, p = -0.00125372503F + p * a, p = -0.00417768164F + p * a, p = 0.246640727F + p * a;
+    return 1.41421356F * (1.50140941F + p * a);
+  }
+  static float tail(float w) {
+    const float b = std::sqrt(w) - 3.0F;
+    float p = -0.000200214257F;
+    p = 0.000100950558F + p * b, p = 0.00134934322F + p * b, p = -0.00367342844F + p * b;
+    p = 0.00573950773F + p * b, p = -0.0076224613F + p * b, p = 0.00943887047F + p * b, p = 1.00167406F + p * b;
+    return 1.41421356F * (2.83297682F + p * b);
+  }
+};
+
+inline float normalOf(std::uint32_t word) {
+  const float x = InverseError::symmetricOf(word), w = InverseError::tailOf(x);
+  return (w < 5.0F ? InverseError::middle(w) : InverseError::tail(w)) * x;
 }
 
 /// What a random number is for: numbers of different streams are independent.
@@ -57,6 +83,8 @@ class CounterRandom {
                                      std::uint32_t draw = 0) const {
     return philox({scan, column, ring, draw}, key_);
   }
+  /// normalOf() word 0 and uniformOf() word 1 of block(scan, column, ring) for the rings 0 … n-1, many at a time.
+  void drawColumn(std::uint32_t scan, std::uint32_t column, std::size_t n, float* normal, float* uniform) const;
 
  private:
   std::array<std::uint32_t, 2> key_;

@@ -1,6 +1,7 @@
 #include "scslam/core/counter_random.h"
 
 #include <cmath>
+#include <vector>
 
 #include "support/support.h"
 
@@ -28,6 +29,29 @@ TEST(CounterRandom, NormalsHaveTheMomentsOfNormals) {
   EXPECT_NEAR(squares / kDraws, 1, 4 * std::sqrt(2.0) / root);
   EXPECT_NEAR(cubes / kDraws, 0, 4 * std::sqrt(15.0) / root);
   EXPECT_NEAR(fourths / kDraws, 3, 4 * std::sqrt(96.0) / root);
+}
+
+TEST(CounterRandom, AColumnHoldsTheNumbersOfItsBlocks) {
+  const CounterRandom random(7, RandomStream::kLidar, 2);
+  for (const std::size_t n : {1U, 16U, 37U, 128U}) {
+    std::vector<float> normal(n + 1, -9), uniform(n + 1, -9);
+    random.drawColumn(3, 500, n, normal.data(), uniform.data());
+    for (std::uint32_t ring = 0; ring < n; ++ring) {
+      const auto words = random.block(3, 500, ring);
+      EXPECT_EQ(normal[ring], normalOf(words[0])) << ring;
+      EXPECT_EQ(uniform[ring], uniformOf(words[1])) << ring;
+    }
+    EXPECT_EQ(normal[n], -9);
+    EXPECT_EQ(uniform[n], -9);
+  }
+}
+
+TEST(CounterRandom, LogarithmIsThatOfTheLibrary) {
+  for (float x = 1e-12F; x < 1e6F; x *= 1.0173F) {
+    const double exact = std::log(static_cast<double>(x));
+    EXPECT_NEAR(static_cast<double>(logOf(x)), exact, 2e-7 * std::max(1.0, std::abs(exact))) << x;
+  }
+  EXPECT_EQ(logOf(1.0F), 0.0F);
 }
 
 TEST(CounterRandom, EveryWordGivesAFiniteNumber) {
