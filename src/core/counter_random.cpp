@@ -17,15 +17,16 @@ void drawLanes(const std::uint32_t (&start)[4][kLanes], std::array<std::uint32_t
   for (int round = 0; round < 10; ++round) {
     std::uint32_t high[2][kLanes], low[2][kLanes];
     for (std::size_t i = 0; i < kLanes; ++i) {
-      high[0][i] = static_cast<std::uint32_t>(std::uint64_t{0xD2511F53} * c[0][i] >> 32);
-      high[1][i] = static_cast<std::uint32_t>(std::uint64_t{0xCD9E8D57} * c[2][i] >> 32);
+      high[0][i] = static_cast<std::uint32_t>(std::uint64_t{kPhiloxMultiplier[0]} * c[0][i] >> 32);
+      high[1][i] = static_cast<std::uint32_t>(std::uint64_t{kPhiloxMultiplier[1]} * c[2][i] >> 32);
     }
-    for (std::size_t i = 0; i < kLanes; ++i) low[0][i] = 0xD2511F53 * c[0][i], low[1][i] = 0xCD9E8D57 * c[2][i];
+    for (std::size_t i = 0; i < kLanes; ++i)
+      low[0][i] = kPhiloxMultiplier[0] * c[0][i], low[1][i] = kPhiloxMultiplier[1] * c[2][i];
     for (std::size_t i = 0; i < kLanes; ++i) {
       c[0][i] = high[1][i] ^ c[1][i] ^ key[0], c[1][i] = low[1][i];
       c[2][i] = high[0][i] ^ c[3][i] ^ key[1], c[3][i] = low[0][i];
     }
-    key[0] += 0x9E3779B9, key[1] += 0xBB67AE85;
+    key[0] += kPhiloxStep[0], key[1] += kPhiloxStep[1];
   }
   float x[kLanes], w[kLanes], middle[kLanes], tail[kLanes];
   for (std::size_t i = 0; i < kLanes; ++i) x[i] = InverseError::symmetricOf(c[0][i]);

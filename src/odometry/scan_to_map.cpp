@@ -23,6 +23,9 @@ constexpr double kGuessBetter = 1.1, kThanRecorded = 1.6;  // than the guess bef
 constexpr double kFarPrecision = 0.75;                     // inliers among the matched points of a far place
 constexpr double kLeastInliers = 0.1;
 
+/// Is a step of this duration worth a velocity?
+bool tellsSpeed(double duration_s) { return duration_s > 1e-4 && duration_s <= 2.0; }
+
 }  // namespace
 
 OdometryStep ScanToMap::step(const Scan& scan) {
@@ -167,7 +170,7 @@ MatchResult ScanToMap::matchFromGuess(const Features& features, const Guess& gue
 
 Vector6d ScanToMap::twistOf(const Pose& T_previous_base, Stamp stamp) const {
   const double duration_s = secondsBetween(stamp_, stamp);
-  if (duration_s <= 1e-4 || duration_s > 2.0) return Vector6d::Zero();
+  if (!tellsSpeed(duration_s)) return Vector6d::Zero();
   return local(Pose::Identity(), T_previous_base) / duration_s;
 }
 
@@ -181,7 +184,7 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
   // that was assumed, `mid` steps before. So a velocity measured between stamps depends on the one assumed, and swings
   // from scan to scan. Between the middles of two compensated sweeps it does not: that is taken; with the sweep before
   // not compensated, the velocity that confirms itself.
-  const double mid = since_s > 0 ? meanTime(prepared.raw[0]) / since_s : 0;
+  const double mid = tellsSpeed(since_s) ? meanTime(prepared.raw[0]) / since_s : 0;
   Fit fit;
   fit.deskewed = true;
   Guess from = guess;
@@ -231,9 +234,7 @@ ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Gu
   if (!trial) return fitDeskewed(prepared, scan, guess);
   const Fit plain{matchFromGuess(prepared.raw, guess), Vector6d::Zero(), false};
   const Fit compensated = fitDeskewed(prepared, scan, guess);
-  // A scan that fits nowhere has no say.
-  if (std::max(share(plain.match), share(compensated.match)) >= kPoorShare)
-    deskew_evidence_ = 0.9 * deskew_evidence_ + (compensated.match.meanScore() - plain.match.meanScore());
+  deskew_evidence_ = 0.9 * deskew_evidence_ + (compensated.match.meanScore() - plain.match.meanScore());
   if (deskew_evidence_ >= 0) return compensated;
   prepared.features = prepared.raw;
   return plain;
@@ -298,7 +299,8 @@ void ScanToMap::restartMap(const Prepared& prepared, OdometryQuality& quality) {
   if (slowSweeps()) first_ = prepared.raw;
   T_fitted_ = T_odom_base_;
   usual_inliers_ = 0;
-  misses_ = deskew_trials_ = 0;
+  miss_.setZero();
+  misses_ = 0;
   lost_ = misfits_ = 0;
   quality.note += "; local map restarted";
 }

@@ -1,18 +1,15 @@
 // What changed in a town between two days (S05, S16), held against the meshes of both days' worlds.
+#include <algorithm>
 #include <iostream>
-#include <sstream>
 #include <unordered_set>
 
 #include "scslam/apps/alignment.h"
 #include "scslam/apps/changes/changes.h"
 #include "scslam/apps/merge/merge.h"
-#include "scslam/apps/run_job.h"
-#include "scslam/core/file.h"
+#include "scslam/core/trajectory.h"
 #include "scslam/core/voxel_key.h"
-#include "scslam/session/layout.h"
 #include "scslam/session/session.h"
-#include "sim/simulation.h"
-#include "support/support.h"
+#include "support/simulated_drive.h"
 
 namespace scslam::test {
 namespace {
@@ -53,50 +50,30 @@ class Surfaces {
 struct Day {
   fs::path session, truth;
   Surfaces surfaces;
-
-  Day(const std::string& scenario_name, const fs::path& folder)
-      : session(folder / scenario_name),
-        truth(folder / (scenario_name + ".gt.tum")),
-        surfaces(driven(scenario_name, folder)) {
-    RunOptions run;
-    run.input = (folder / (scenario_name + ".rawlog")).string(), run.output = session;
-    run.quiet = true;
-    runJob(run, context(2));
-  }
-  std::string name() const { return session.filename().string(); }
-
- private:
-  static sim::Mesh driven(const std::string& name, const fs::path& folder) {
-    const sim::Scenario scenario = sim::loadScenario(name, {"truth.pictures=false", "drive.duration_s=40"});
-    sim::SimulateOptions options;
-    options.output = folder / (name + ".rawlog");
-    options.compression = 0, options.quiet = true;
-    sim::simulate(scenario, options, context(2));
-    return sim::Simulation(scenario, context(2)).world().mesh;
-  }
 };
 
-/// Where the merged map lies in the world.
+Day dayOf(const std::string& scenario_name, const fs::path& folder) {
+  const sim::Scenario scenario = sim::loadScenario(scenario_name, {"truth.pictures=false", "drive.duration_s=40"});
+  simulateDrive(scenario, folder);
+  mapDrive(folder);
+  const fs::path session = folder / folder.filename();  // by which the merged session knows it
+  fs::rename(folder / "session", session);
+  return {session, folder / "drive.gt.tum", Surfaces(sim::Simulation(scenario, context()).world().mesh)};
+}
+
+/// Where the merged map lies in the world: the days' keyframes follow each other in it.
 Pose placeOf(const fs::path& merged, const std::vector<const Day*>& days) {
   const Session session = Session::open(merged);
-  std::vector<Session> parents;
-  std::vector<Trajectory> truths;
+  std::vector<Pose> T_world_base;
   for (const auto& parent : session.info().parents) {  // in an order of merge's own
-    const auto day =
-        std::find_if(days.begin(), days.end(), [&parent](const Day* d) { return d->name() == parent.name; });
-    parents.push_back(Session::open((*day)->session)), truths.push_back(readTrajectory((*day)->truth));
+    const auto day = std::find_if(days.begin(), days.end(),
+                                  [&parent](const Day* d) { return d->session.filename() == parent.name; });
+    const Trajectory truth = readTrajectory((*day)->truth);
+    const Session own = Session::open((*day)->session);
+    for (const Keyframe& keyframe : own.keyframes()) T_world_base.push_back(truth.at(keyframe.stamp).value());
   }
-  std::istringstream table(readFile(merged / layout::kKeyframeParents));
-  std::string line;
-  std::getline(table, line);
-  std::vector<Pose> T_world_base, T_map_base;
-  while (std::getline(table, line)) {
-    std::size_t keyframe = 0, parent = 0, own = 0;
-    EXPECT_EQ(std::sscanf(line.c_str(), "%zu,%zu,%zu", &keyframe, &parent, &own), 3);
-    T_world_base.push_back(truths[parent].at(parents[parent].keyframes()[own].stamp).value());
-    T_map_base.push_back(session.poses()[keyframe]);
-  }
-  return alignPoses(T_world_base, T_map_base);
+  EXPECT_EQ(T_world_base.size(), session.poses().size());
+  return alignPoses(T_world_base, session.poses());
 }
 
 /// Of the voxels of one kind, with the truth from the meshes; what is on no mesh of its own day moved or is noise.
@@ -122,14 +99,14 @@ Score scoreOf(const ChangeMap& map, Change kind, const Pose& T_world_map, const 
 
 TEST(ChangesOfATown, AreThoseOfItsMeshes) {
   const fs::path folder = freshFolder();
-  const Day summer("s05_junction_grid", folder), winter("s16_winter", folder);
+  const Day summer = dayOf("s05_junction_grid", folder / "summer"), winter = dayOf("s16_winter", folder / "winter");
   MergeOptions merge;
   merge.sessions = {summer.session, winter.session};
   merge.output = folder / "both";
   merge.quiet = true;
   mergeSessions(merge, context(2));
   ChangesOptions options;
-  options.older = summer.name(), options.newer = winter.name();
+  options.older = "summer", options.newer = "winter";
   options.session = merge.output, options.output = folder / "changes", options.quiet = true;
   const ChangesSummary summary = findChanges(options, context(2));
   const Pose T_world_map = placeOf(merge.output, {&summer, &winter});

@@ -7,12 +7,10 @@
 #include "apps/session_of.h"
 #include "scslam/apps/clean/clean.h"
 #include "scslam/apps/clean/clean_score.h"
-#include "scslam/apps/run_job.h"
 #include "scslam/core/bytes.h"
 #include "scslam/core/file.h"
 #include "scslam/core/trajectory.h"
-#include "sim/simulation.h"
-#include "support/support.h"
+#include "support/simulated_drive.h"
 
 namespace scslam::test {
 namespace {
@@ -32,17 +30,10 @@ CleanSummary clean(const fs::path& session, const fs::path& labels, const fs::pa
 CleanSummary cleanedDrive(const std::string& name, const fs::path& folder) {
   const sim::Scenario scenario =
       sim::loadScenario(name, {"truth.pictures=false", "truth.labels=true", "drive.duration_s=12"});
-  sim::SimulateOptions simulate;
-  simulate.output = folder / "drive.rawlog";
-  simulate.compression = 0, simulate.quiet = true;
-  sim::simulate(scenario, simulate, context(2));
-  RunOptions run;
-  run.input = simulate.output.string();
-  run.output = folder / "session";
-  run.quiet = true;
-  run.sets = {"preprocess.min_range_m=0", "preprocess.max_range_m=1000", "odometry.voxel_icp.max_range_m=1000"};
-  runJob(run, context(2));
-  return clean(run.output, folder / "drive.labels", folder / "clean");
+  simulateDrive(scenario, folder);
+  mapDrive(folder, {},
+           {"preprocess.min_range_m=0", "preprocess.max_range_m=1000", "odometry.voxel_icp.max_range_m=1000"});
+  return clean(folder / "session", folder / "drive.labels", folder / "clean");
 }
 
 TEST(CleanSimulated, TrafficGoesAndTheTownStays) {

@@ -2,10 +2,8 @@
 #include "scslam/apps/learn/learn_quality.h"
 #include "scslam/apps/localize/localize.h"
 #include "scslam/apps/merge/merge.h"
-#include "scslam/apps/run_job.h"
 #include "scslam/pipeline/slam_params.h"
-#include "sim/simulation.h"
-#include "support/support.h"
+#include "support/simulated_drive.h"
 
 namespace scslam::test {
 namespace {
@@ -21,18 +19,9 @@ RadarDrive radarDrive(const fs::path& folder, const std::vector<std::string>& se
   std::vector<std::string> all = {"truth.pictures=false", "truth.loops=false", "truth.aliases=false", "world.seed=1",
                                   "drive.duration_s=18"};
   all.insert(all.end(), sets.begin(), sets.end());
-  sim::SimulateOptions simulate;
-  simulate.output = folder / "drive.rawlog";
-  simulate.compression = 0, simulate.quiet = true;
-  const sim::SimulationSummary simulated = sim::simulate(sim::loadScenario("s18", all), simulate, context(2));
-  EXPECT_EQ(simulated.collision, "");
-  RunOptions run;
-  run.input = simulate.output.string();
-  run.output = folder / "session";
-  run.configs = {"radar"};
-  run.quiet = true;
-  runJob(run, context(2));
-  return {simulate.output, folder / "drive.gt.tum", run.output};
+  EXPECT_EQ(simulateDrive(sim::loadScenario("s18", all), folder).collision, "");
+  mapDrive(folder, {"radar"});
+  return {folder / "drive.rawlog", folder / "drive.gt.tum", folder / "session"};
 }
 
 TEST(RadarSessions, AreMergedAndLocalisedIn) {

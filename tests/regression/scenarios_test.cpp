@@ -5,34 +5,25 @@
 #include <iostream>
 
 #include "scenario_run.h"
-#include "scslam/apps/run_job.h"
-#include "sim/simulation.h"
-#include "support/support.h"
+#include "support/simulated_drive.h"
 
 namespace scslam::test {
 
 namespace fs = std::filesystem;
 
 void simulateInto(const sim::Scenario& scenario, const fs::path& folder, ScenarioFigures& figures) {
-  sim::SimulateOptions options;
-  options.output = folder / "drive.rawlog";
-  options.compression = 0, options.overwrite = options.quiet = true;
-  const sim::SimulationSummary summary = sim::simulate(scenario, options, context());
+  const sim::SimulationSummary summary = simulateDrive(scenario, folder, 1);
   figures.sim_wall_s = summary.wall_s, figures.collision = summary.collision;
 }
 
 void mapIn(const sim::ExpectParams& expect, const fs::path& folder, const std::vector<std::string>& sets,
            ScenarioFigures& figures) {
-  RunOptions options;
-  options.input = (folder / "drive.rawlog").string();
-  options.output = folder / "session";
-  options.overwrite = options.quiet = true;
-  if (!expect.config.empty()) options.configs = {expect.config};
-  if (!expect.odometry.empty()) options.sets = {"odometry.frontend=" + expect.odometry};
-  options.sets.insert(options.sets.end(), sets.begin(), sets.end());
-  const RunSummary summary = runJob(options, context());
-  figures.run_wall_s = summary.wall_s;
-  const Session session = Session::open(options.output);
+  std::vector<std::string> configs, all;
+  if (!expect.config.empty()) configs = {expect.config};
+  if (!expect.odometry.empty()) all = {"odometry.frontend=" + expect.odometry};
+  all.insert(all.end(), sets.begin(), sets.end());
+  figures.run_wall_s = mapDrive(folder, configs, all, 1).wall_s;
+  const Session session = Session::open(folder / "session");
   figures.evaluation = evaluate(session, readTrajectory(folder / "drive.gt.tum"));
   figures.steps = stepConsistency(session, figures.evaluation);
   const auto trajectory = session.trajectory();
