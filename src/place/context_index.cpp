@@ -6,6 +6,17 @@
 #include <cmath>
 
 namespace scslam {
+namespace {
+
+/// Squared length of the weighted columns among `columns`.
+double length2Within(const ContextProbe& image, std::uint64_t columns) {
+  double length2 = image.length2;
+  for (std::uint64_t hidden = image.seen & ~columns; hidden != 0; hidden &= hidden - 1)
+    length2 -= image.lengths2[static_cast<std::size_t>(std::countr_zero(hidden))];
+  return length2;
+}
+
+}  // namespace
 
 ContextIndex::ContextIndex(const ContextLayout& layout)
     : layout_(layout),
@@ -15,7 +26,8 @@ ContextIndex::ContextIndex(const ContextLayout& layout)
 
 ContextProbe ContextIndex::probe(const Descriptor& image) const {
   ContextProbe probe;
-  std::vector<float> columns(layout_.rows * period_, 0.0f);  // row-major, unit columns
+  std::vector<float> columns(layout_.rows * period_, 0.0f);  // row-major
+  probe.lengths2.assign(layout_.columns, 0.0f);
   std::vector<double> key(layout_.rows, 0.0);
   std::vector<float> column(layout_.rows);
   for (std::size_t j = 0; j < layout_.columns; ++j) {
@@ -28,7 +40,10 @@ ContextProbe ContextIndex::probe(const Descriptor& image) const {
     }
     if (!(norm2 > 0)) continue;
     probe.seen |= std::uint64_t{1} << j;
-    const auto scale = static_cast<float>(1 / std::sqrt(norm2));
+    const double weight = std::pow(norm2, 0.5 * layout_.column_weight);
+    const auto scale = static_cast<float>(weight / std::sqrt(norm2));
+    probe.lengths2[j] = static_cast<float>(weight * weight);
+    probe.length2 += probe.lengths2[j];
     for (std::size_t r = 0; r < layout_.rows; ++r) columns[r * period_ + j] = column[r] * scale;
   }
   // The mean over what was seen: a blind sector does not make a place look flat.
@@ -53,10 +68,9 @@ void ContextIndex::search(const ContextProbe& probe, std::size_t n, std::size_t 
   for (const auto& neighbour : nearest) matches.push_back(compare(probe, neighbour.id));
 }
 
-int ContextIndex::commonColumns(std::uint64_t probe, std::uint64_t place, std::size_t shift) const {
+std::uint64_t ContextIndex::shifted(std::uint64_t columns, std::size_t shift) const {
   const std::uint64_t all = period_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << period_) - 1;
-  const std::uint64_t shifted = shift == 0 ? place : (place >> shift | place << (period_ - shift));
-  return std::popcount(probe & shifted & all);
+  return shift == 0 ? columns : (columns >> shift | columns << (period_ - shift)) & all;
 }
 
 ContextIndex::Match ContextIndex::compare(const ContextProbe& probe, std::size_t id) const {
@@ -69,8 +83,13 @@ ContextIndex::Match ContextIndex::compare(const ContextProbe& probe, std::size_t
   std::size_t best = 0;
   for (std::size_t s = 0; s < period_; ++s) {
     const bool allowed = layout_.circular || s <= layout_.max_shift || s >= period_ - layout_.max_shift;
-    const int common = allowed ? commonColumns(probe.seen, other.seen, s) : 0;
-    distance[s] = common < enough ? 1 : std::clamp(1 - static_cast<double>(similarity[s]) / common, 0.0, 1.0);
+    const std::uint64_t common = allowed ? probe.seen & shifted(other.seen, s) : 0;
+    distance[s] = 1;
+    if (std::popcount(common) >= enough) {
+      const double lengths2 =
+          length2Within(probe, common) * length2Within(other, shifted(common, (period_ - s) % period_));
+      distance[s] = std::clamp(1 - static_cast<double>(similarity[s]) / std::sqrt(lengths2), 0.0, 1.0);
+    }
     if (distance[s] < distance[best]) best = s;
   }
   const double left = distance[(best + period_ - 1) % period_], right = distance[(best + 1) % period_];

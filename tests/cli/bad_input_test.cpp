@@ -224,9 +224,10 @@ TEST(BadInput, AnExistingOutputIsNeverTouchedWithoutLeaveAndOnlyIfItIsASession) 
 
 TEST(BadInput, AFullDiskIsOneLineAndTheSessionCanGoOn) {
   const auto folder = test::freshFolder();
-  pcdFolder(folder / "in", 8);
-  // A file size limit stands in for the full disk: write() fails in the middle of a scan in the same way.
-  const std::string limited = fmt::format("(ulimit -f 20; trap '' XFSZ; '{}' run '{}' -o '{}' -q)", SCSLAM_BINARY,
+  pcdFolder(folder / "in", 8, 20000);
+  // A file size limit stands in for the full disk: write() fails in the middle of a scan in the same way. (A coverage
+  // build's own files are smaller.)
+  const std::string limited = fmt::format("(ulimit -f 150; trap '' XFSZ; '{}' run '{}' -o '{}' -q)", SCSLAM_BINARY,
                                           (folder / "in").string(), (folder / "s").string());
   const std::string err_file = (folder / "err").string();
   const int status = std::system(("bash -c \"" + limited + "\" 2>" + err_file).c_str());

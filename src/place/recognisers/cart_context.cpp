@@ -20,7 +20,7 @@ class CartContext : public PlaceRecogniser {
   struct Params : ParamSetOf<Params> {
     CartGrid grid{.rows = 40, .columns = 40, .reach_ahead_m = 60, .reach_aside_m = 40};
     int candidates_by_key = 50;
-    double max_offset_m = 10, min_common = 0.5;
+    double max_offset_m = 10, min_common = 0.5, column_weight = 0.5;
     bool log_heights = true;
     PlaceChoiceParams choice;
     void describe(ParamVisitor& v) override {
@@ -32,6 +32,8 @@ class CartContext : public PlaceRecogniser {
       v.field("candidates_by_key", candidates_by_key, "places compared in full, for each driving direction", 1, 100000);
       v.field("min_common", min_common, "share of the narrower view that both scans must have seen", 0.01, 1);
       v.field("log_heights", log_heights, "compare log(1 + height) instead of heights");
+      v.field("column_weight", column_weight,
+              "power of its length by which a column counts: 0 all alike, as in the paper; 1 as it is", 0, 1);
       choice.describe(v);
     }
   };
@@ -91,7 +93,8 @@ class CartContext : public PlaceRecogniser {
             .circular = false,
             .max_shift = static_cast<std::size_t>(shift),
             .logarithmic = params.log_heights,
-            .min_common = params.min_common};
+            .min_common = params.min_common,
+            .column_weight = params.column_weight};
   }
 
   void rank(const ContextProbe& probe, double yaw, std::size_t eligible, std::vector<PlaceCandidate>& ranking) const {

@@ -21,7 +21,7 @@ class ScanContext : public PlaceRecogniser {
   struct Params : ParamSetOf<Params> {
     PolarGrid grid;
     int candidates_by_key = 50;
-    double lateral_reach_m = 4, lateral_step_m = 1, min_common = 0.5, outline_cell_m = 0.5;
+    double lateral_reach_m = 4, lateral_step_m = 1, min_common = 0.5, column_weight = 0.5, outline_cell_m = 0.5;
     bool log_heights = false;
     PlaceChoiceParams choice;
     void describe(ParamVisitor& v) override {
@@ -35,6 +35,8 @@ class ScanContext : public PlaceRecogniser {
       v.field("candidates_by_key", candidates_by_key, "places compared in full, for each copy", 1, 100000);
       v.field("min_common", min_common, "share of the narrower view that both scans must have seen", 0.01, 1);
       v.field("log_heights", log_heights, "compare log(1 + height) instead of heights");
+      v.field("column_weight", column_weight,
+              "power of its length by which a column counts: 0 all alike, as in the paper; 1 as it is", 0, 1);
       choice.describe(v);
     }
   };
@@ -47,7 +49,8 @@ class ScanContext : public PlaceRecogniser {
                 .circular = true,
                 .max_shift = 0,
                 .logarithmic = params.log_heights,
-                .min_common = params.min_common}) {
+                .min_common = params.min_common,
+                .column_weight = params.column_weight}) {
     const int steps = static_cast<int>(std::floor(params.lateral_reach_m / params.lateral_step_m + 1e-9));
     for (int step = 1; step <= steps; ++step)
       for (const int side : {1, -1}) shifts_left_m_.push_back(side * step * params.lateral_step_m);
