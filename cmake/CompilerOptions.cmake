@@ -36,8 +36,8 @@ if(SCSLAM_SANITIZE)
   add_link_options(-fsanitize=${SCSLAM_SANITIZE})
   target_compile_definitions(scslam_options INTERFACE SCSLAM_NO_MULTIVERSION)
 endif()
-if(SCSLAM_COVERAGE)
-  target_compile_options(scslam_options INTERFACE --coverage -O1)
+if(SCSLAM_COVERAGE)  # atomic: several threads count
+  target_compile_options(scslam_options INTERFACE --coverage -fprofile-update=atomic -O1)
   add_link_options(--coverage)
 endif()
 

@@ -1,6 +1,7 @@
 #include "scslam/pipeline/factors.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "scslam/graph/covariance.h"
@@ -41,9 +42,13 @@ Factor odometryFactor(const Keyframe& earlier, const Keyframe& later, std::uint3
           symmetric(covariance.inverse())};
 }
 
+Matrix6d loopInformation(const LoopRecord& record, const GraphParams& params) {
+  const double growth = std::max(1.0, std::pow((1 - record.inlier_ratio) / params.loop_outliers, 2));
+  return withFloor(record.information, growth * params.loop_floor_m, growth * params.loop_floor_deg);
+}
+
 Factor loopFactor(const LoopRecord& record, const GraphParams& params) {
-  return {FactorKind::kLoop, record.match, record.query, record.T_match_query,
-          withFloor(record.information, params.loop_floor_m, params.loop_floor_deg)};
+  return {FactorKind::kLoop, record.match, record.query, record.T_match_query, loopInformation(record, params)};
 }
 
 }  // namespace scslam

@@ -15,7 +15,12 @@ Pose appendNode(PoseGraph& graph, const std::vector<Keyframe>& keyframes, const 
 Factor odometryFactor(const Keyframe& earlier, const Keyframe& later, std::uint32_t i, std::uint32_t j,
                       const GraphParams& params);
 
-/// X_match^-1 X_query = T_match_query, weighted by the registration's Hessian, never better than the floor.
+/// Information of the loop's T_match_query: the registration's, never better than the floor. The floor grows with the
+/// square of the share of outliers: they say how much of the fit is other surfaces that resemble these (storeys,
+/// ramps), an error the Hessian knows nothing of.
+Matrix6d loopInformation(const LoopRecord& record, const GraphParams& params);
+
+/// X_match^-1 X_query = T_match_query, weighted by loopInformation.
 Factor loopFactor(const LoopRecord& record, const GraphParams& params);
 
 /// Information of a measurement whose own information is `information` after independent noise with standard deviations

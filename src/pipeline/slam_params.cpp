@@ -34,6 +34,9 @@ void GraphParams::describe(ParamVisitor& v) {
   v.field("odometry_floor_deg", odometry_floor_deg, "and this [deg]", 1e-6, 90);
   v.field("loop_floor_m", loop_floor_m, "a loop is never trusted better than this, one sigma [m]", 1e-6, 10);
   v.field("loop_floor_deg", loop_floor_deg, "and this [deg]", 1e-6, 90);
+  v.field("loop_outliers", loop_outliers,
+          "share of the matched points that may lie off the surface for that; with more, both grow with its square",
+          1e-3, 1);
 }
 
 void SessionParams::describe(ParamVisitor& v) {

@@ -54,7 +54,7 @@ struct GraphParams : ParamSetOf<GraphParams> {
   ConsistencyParams consistency;
   GnssParams gnss;
   double odometry_floor_m = 0.01, odometry_floor_deg = 0.05;
-  double loop_floor_m = 0.05, loop_floor_deg = 0.2;
+  double loop_floor_m = 0.05, loop_floor_deg = 0.2, loop_outliers = 0.04;
   GraphParams() {
     optimiser.init = "file";   // online: odometry has placed the newest keyframe
     optimiser.robust = "dcs";  // the paper's s_jk

@@ -23,7 +23,7 @@ struct LoopRecord {
   std::string recogniser;
   double distance = 0;       ///< descriptor distance
   double yaw_guess_rad = 0;  ///< the recogniser's
-  double rmse_m = 0, inlier_ratio = 0, explained = 0, overlap = 0;
+  double rmse_m = 0, inlier_ratio = 1, explained = 0, overlap = 0;
   int unfixed_axes = 0;                         ///< directions the overlap leaves open; the factor says nothing of them
   bool free_space_checked = false;              ///< the gates before passed
   double target_overlap = 0, seen_through = 0;  ///< registration/loop_gates.h; the larger share of both directions

@@ -121,6 +121,20 @@ TEST(Factors, FloorsLimitTrustAndSingularInformationStaysSingular) {
   EXPECT_LT((withFloor(weak, 0.1, 1.0) - weak).norm(), 1e-6);
 }
 
+TEST(Factors, ALoopWithManyOutliersWeighsLess) {
+  LoopRecord record;
+  record.information = Matrix6d::Identity() * 1e9;
+  GraphParams params;
+  params.loop_floor_m = 0.1, params.loop_outliers = 0.05;
+  for (const double outliers : {0.0, 0.05}) {
+    record.inlier_ratio = 1 - outliers;
+    EXPECT_NEAR(loopInformation(record, params)(0, 0), 100, 0.1) << outliers;
+  }
+  record.inlier_ratio = 0.9;  // twice as many: four times the sigma
+  EXPECT_NEAR(loopInformation(record, params)(0, 0), 100.0 / 16, 0.01);
+  EXPECT_EQ(loopFactor(record, params).information, loopInformation(record, params));
+}
+
 TEST(Factors, ASyntheticLoopClosesToZero) {
   // X_match^-1 X_query measured exactly: the loop factor of perfect poses has no residual, in any place and heading.
   const Pose X_match = poseFromYaw(2.5, {40, -3, 1}), X_query = poseFromYaw(-0.6, {41, -2, 1.2});

@@ -31,7 +31,7 @@ bool near(const Pose& A, const Pose& B, double metres, double degrees) {
 /// the robot stands as it stood when the map was made.
 Matrix6d informationOf(const LoopRecord& record, const GraphParams& graph, bool planar) {
   const double kStands_m = 0.1, kStands_deg = 1;
-  Matrix6d information = withFloor(record.information, graph.loop_floor_m, graph.loop_floor_deg);
+  Matrix6d information = loopInformation(record, graph);
   if (planar)
     information.diagonal().segment<3>(2) += variances(kStands_m, kStands_deg).diagonal().segment<3>(2).cwiseInverse();
   return information;
