@@ -47,7 +47,7 @@ void ScanToMap::start(const Scan& scan, Prepared& prepared, OdometryStep& out) {
   stamp_ = scan.stamp;
   T_recorded_ = scan.T_odom_base;
   insert(prepared.features, T_odom_base_);
-  if (slowSweeps()) first_ = prepared.raw;
+  if (compensatesFirst()) first_ = prepared.raw;
   out.T_odom_base = T_odom_base_;
 }
 
@@ -204,23 +204,39 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
 
 void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
   constexpr int kMostRounds = 20;
+  constexpr double kClearlyWorse = 0.9;
   constexpr double kFine = 10;  // both sweeps are wrong in the same way, which shows little: settle it well
-  for (int round = 0; round < kMostRounds && fit.deskewed; ++round) {
+  const double sweep_s = sweepDuration(prepared.raw[0]);
+  const Fit before_all = fit;
+  for (int round = 0; round < kMostRounds && canDeskew(prepared, scan); ++round) {
     const Vector6d before = fit.twist, twist = twistOf(T_odom_base_.inverse() * fit.match.T_map_scan, scan.stamp);
-    if (round > 0 && !moreThanNoise(kFine * (twist - before), sweepDuration(prepared.raw[0]))) break;
+    if (!moreThanNoise(round == 0 ? twist : kFine * (twist - before), sweep_s)) break;
     Features first = first_;
     for (Cloud& part : first) compensate(part, twist);
     clearMap();
     insert(first, T_fitted_);
     fit = fitDeskewed(prepared, scan, {fit.match.T_map_scan, Matrix6d::Zero()});
   }
+  // Compensated before us? On a straight road both ways fit: times are there to be used.
+  if (params_.deskew == "auto" && fit.match.meanScore() < kClearlyWorse * before_all.match.meanScore()) {
+    clearMap();
+    insert(first_, T_fitted_);
+    fit = before_all;
+    prepared.features = prepared.raw;
+    for (Cloud& part : prepared.features)
+      if (fit.deskewed) compensate(part, fit.twist);
+  }
   first_.clear();
 }
 
+bool ScanToMap::canDeskew(const Prepared& prepared, const Scan& scan) const {
+  return params_.deskew != "off" && prepared.cloud.hasTime() && !scan.deskewed;
+}
+
 ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Guess& guess) {
-  const bool possible = params_.deskew != "off" && prepared.cloud.hasTime() && !scan.deskewed;
   const Vector6d twist = twistOf(T_odom_base_.inverse() * guess.T_odom_base, scan.stamp);
-  if (!possible || (params_.deskew == "auto" && !moreThanNoise(twist, sweepDuration(prepared.raw[0])))) {
+  if (!canDeskew(prepared, scan) ||
+      (params_.deskew == "auto" && !moreThanNoise(twist, sweepDuration(prepared.raw[0])))) {
     return {matchFromGuess(prepared.raw, guess), Vector6d::Zero(), false};
   }
   if (params_.deskew == "on") return fitDeskewed(prepared, scan, guess);
@@ -296,7 +312,7 @@ bool ScanToMap::searched(const Features& features, const Guess& guess, Stamp sta
 void ScanToMap::restartMap(const Prepared& prepared, OdometryQuality& quality) {
   clearMap();
   insert(prepared.features, T_odom_base_);
-  if (slowSweeps()) first_ = prepared.raw;
+  if (compensatesFirst()) first_ = prepared.raw;
   T_fitted_ = T_odom_base_;
   usual_inliers_ = 0;
   miss_.setZero();

@@ -54,9 +54,10 @@ class ScanToMap : public Odometry {
   /// Brings what was seen at the points' own instants to the scan's stamp. Default: deskew().
   /// @param twist of the base during the sweep (deskew.h).
   virtual void compensate(Cloud& cloud, const Vector6d& twist) const;
-  /// Do sweeps take so long that the map's first one, taken before any velocity is known, must be compensated when it
-  /// is?
+  /// Do sweeps take so long that no robot stops between two of them?
   virtual bool slowSweeps() const { return false; }
+  /// Must the map's first sweep, taken before any velocity is known, be compensated when it is?
+  virtual bool compensatesFirst() const { return true; }
   /// What planar data says nothing of: one sigma of the step's height, roll and pitch.
   struct OffPlane {
     double z_m = 1e-4, tilt_rad = 1e-4;
@@ -108,6 +109,7 @@ class ScanToMap : public Odometry {
   Vector6d twistOf(const Pose& T_previous_base, Stamp stamp) const;
   bool moreThanNoise(const Vector6d& twist, double sweep_s) const;
 
+  bool canDeskew(const Prepared& prepared, const Scan& scan) const;
   /// The map of the first sweep anew, compensated with the velocity that the second one shows, and the second's fit to
   /// it.
   void beginAgain(Prepared& prepared, const Scan& scan, Fit& fit);
@@ -145,7 +147,7 @@ class ScanToMap : public Odometry {
   std::optional<SurfacePyramid> map_;
   double voxel_m_ = 0;
   bool planar_ = false;
-  Features first_;  ///< of slow sweeps: the map's only scan as it was seen; empty once a velocity is known
+  Features first_;  ///< the map's only scan as it was seen; empty once a velocity is known
   Pose T_odom_base_ = Pose::Identity();
   Pose T_fitted_ = Pose::Identity();         ///< where the last scan was that fitted
   Pose T_step_ = Pose::Identity();           ///< last motion, T_previous_base
@@ -160,7 +162,7 @@ class ScanToMap : public Odometry {
   double usual_inliers_ = 0;        ///< running level of a good fit's inlier ratio
   int lost_ = 0;                    ///< scans in a row that gave no motion
   int misfits_ = 0;                 ///< of them, scans that were usable but fitted nowhere
-  double deskew_evidence_ = 0;      ///< > 0: compensated scans fit better
+  double deskew_evidence_ = 0.1;    ///< > 0: compensated scans fit better; at first: who gives times means them
   int deskew_trials_ = 0;
 };
 

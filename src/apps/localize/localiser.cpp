@@ -13,6 +13,9 @@
 namespace scslam {
 namespace {
 
+/// Places that look this much less like the scan than the one that was found are no rivals of it.
+constexpr double kRival = 1.5;
+
 /// What a map and a moment's drift are off by even where everything is well: the least tolerance of a prediction.
 const double kPrediction_m = 0.2, kPrediction_deg = 1.5;
 
@@ -139,11 +142,16 @@ std::optional<Localiser::Fix> Localiser::recognised(const Keyframe& here, const 
   std::optional<Fix> found;
   for (const auto& recogniser : recognisers_) {
     if (!recogniser->usesScans()) continue;
+    double found_at = std::numeric_limits<double>::infinity();  // distance at which this one knows the place found
     for (const PlaceCandidate& candidate : recogniser->find(here, recogniser->describe(here, step.cloud), thinned)) {
       const Pose& T_map_match = map_.poses()[candidate.match];
       const Pose T_map_guess = T_map_match * candidate.T_match_query;
+      if (candidate.distance > kRival * found_at) break;
       // A second finding of the same place tells nothing new; one elsewhere does.
-      if (found && near(found->T_map_base, T_map_guess, 3 + params_.agree_m, 30)) continue;
+      if (found && near(found->T_map_base, T_map_guess, 3 + params_.agree_m, 30)) {
+        found_at = std::min(found_at, candidate.distance);
+        continue;
+      }
       LoopRecord record;
       record.match = candidate.match;
       setTarget(candidate.match);
@@ -160,6 +168,7 @@ std::optional<Localiser::Fix> Localiser::recognised(const Keyframe& here, const 
       }
       const Matrix6d information = informationOf(record, slam_.graph, planar_);
       found = Fix{T_map_base, symmetric(information.inverse()), candidate.match};
+      found_at = candidate.distance;
     }
   }
   if (!found && note.empty()) note = "no place of the map looks like this one";

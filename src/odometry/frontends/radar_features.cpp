@@ -50,7 +50,7 @@ class RadarFeatures : public RadarOdometry {
   };
 
   /// RANSAC itself compensates: the first sweep needs no velocity.
-  bool slowSweeps() const override { return false; }
+  bool compensatesFirst() const override { return false; }
 
   std::string extract(const Cloud& cloud, const Scan& scan, Features& features) override {
     if (!scan.radar) {
