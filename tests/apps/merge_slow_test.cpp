@@ -139,15 +139,16 @@ TEST(Merge, AMapMadeByOthersHoldsStillAndTheSessionComesIntoItsFrame) {
   options.sessions.push_back(folder / "map.ply");
   const MergeSummary summary = mergeSessions(options, context(2));
   ASSERT_EQ(summary.parents.size(), 2u);
-  EXPECT_EQ(summary.parents[0].folder, folder / "map.ply");
-  EXPECT_EQ(summary.parents[0].name, "map");
-  EXPECT_THAT(summary.parents[0].T_map_parent, IsNear(Pose::Identity(), 1e-9, 1e-6));
+  const MergedParent &map = summary.parents[0], &other = summary.parents[1];
+  EXPECT_EQ(map.name, "map");
+  EXPECT_EQ(map.folder, folder / "map.ply");
+  EXPECT_THAT(map.T_map_parent, IsNear(Pose::Identity(), 1e-9, 1e-6));
   EXPECT_GE(summary.pairs[0].loops, 10u);
   const Pose T_first_world = first.poses()[0] * drives.first.T_world_base[0].inverse();
   const Session merged = Session::open(folder / "merged");
   for (const Keyframe& keyframe : second.keyframes()) {
     const Pose T_true = T_first_world * drives.second.T_world_base[keyframe.scan_index];
-    EXPECT_THAT(merged.poses()[summary.parents[1].first_keyframe + keyframe.id], IsNear(T_true, 0.35, 1.0));
+    EXPECT_THAT(merged.poses()[other.first_keyframe + keyframe.id], IsNear(T_true, 0.35, 1.0));
   }
   EXPECT_FALSE(fs::exists(folder / "merged.maps.partial"));
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "scslam/apps/alignment.h"
 #include "scslam/apps/merge/merge_truth.h"
@@ -67,7 +68,7 @@ void refuseRelatives(const std::vector<Input>& inputs) {
     }
 }
 
-/// Opened and put in an order of their own: by time, then by content.
+/// Opened and put in an order of their own: point maps, whose frame is the result's, then by time, then by content.
 std::vector<Input> openInputs(const MergeOptions& options, PointMapSessions& point_maps, const PluginContext& context) {
   if (options.sessions.size() < 2) throw usageError("merge needs two sessions or more");
   if (!options.truths.empty() && options.truths.size() != options.sessions.size())
@@ -87,7 +88,7 @@ std::vector<Input> openInputs(const MergeOptions& options, PointMapSessions& poi
   }
   const auto key = [](const Input& input) {
     const auto& keyframes = input.session.keyframes();
-    return std::pair(keyframes.empty() ? Stamp{} : keyframes.front().stamp, input.digest);
+    return std::tuple(!input.isPointMap(), keyframes.empty() ? Stamp{} : keyframes.front().stamp, input.digest);
   };
   std::stable_sort(inputs.begin(), inputs.end(), [&](const Input& p, const Input& q) { return key(p) < key(q); });
   refuseRelatives(inputs);
