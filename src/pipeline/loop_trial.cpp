@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scslam/core/parallel.h"
+
 namespace scslam {
 namespace {
 
@@ -26,7 +28,8 @@ void fill(LoopRecord& record, const Verification& verification) {
 
 LoopTrial::LoopTrial(const RegistrationParams& params, const PluginContext& context,
                      const Eigen::Vector3d& viewpoint_base)
-    : reach_m_(params.submap_reach_m),
+    : threads_(context.threads),
+      reach_m_(params.submap_reach_m),
       max_each_side_(params.submap_max_each_side),
       verifier_(params.method.create(context), params.gates, viewpoint_base) {}
 
@@ -34,11 +37,13 @@ void LoopTrial::setTarget(KeyframeId match, const std::vector<Keyframe>& keyfram
                           const std::vector<Pose>& T_map_base, const KeyframeCloud& cloud_of) {
   if (target_ == match) return;
   const auto members = submapMembers(keyframes, match, limit, reach_m_, max_each_side_);
-  LoopTarget target{buildSubmap(members, match, T_map_base, cloud_of), {}, {}};
-  for (const KeyframeId k : members) {
-    target.T_target_base.push_back(T_map_base[match].inverse() * T_map_base[k]);
-    target.clouds.push_back(cloud_of(k));
-  }
+  LoopTarget target;
+  target.clouds.resize(members.size());
+  threads_.forEachChunk(members.size(), 1,
+                        [&](std::size_t i, std::size_t, std::size_t) { target.clouds[i] = cloud_of(members[i]); });
+  target.submap = buildSubmap(members, match, T_map_base,
+                              [&](KeyframeId k) { return target.clouds[k - members.front()]; });  // they are in a row
+  for (const KeyframeId k : members) target.T_target_base.push_back(T_map_base[match].inverse() * T_map_base[k]);
   verifier_.setTarget(std::move(target));
   target_ = match;
 }

@@ -18,7 +18,8 @@ class LoopTrial {
   /// The poses moved, or the keyframes are others from here on.
   void forgetTarget() { target_.reset(); }
   /// Takes the scans around keyframe `match` as the target, unless they are.
-  /// @param limit only keyframes before it are considered. @param cloud_of thinned clouds, frame base.
+  /// @param limit only keyframes before it are considered. @param cloud_of thinned clouds, frame base; called from
+  /// several threads.
   void setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes, KeyframeId limit,
                  const std::vector<Pose>& T_map_base, const KeyframeCloud& cloud_of);
 
@@ -28,6 +29,7 @@ class LoopTrial {
               const OdometryPrediction& predicted, bool planar);
 
  private:
+  ThreadPool& threads_;
   double reach_m_;
   int max_each_side_;
   LoopVerifier verifier_;
