@@ -204,10 +204,8 @@ ScanToMap::Fit ScanToMap::fitDeskewed(Prepared& prepared, const Scan& scan, cons
 
 void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
   constexpr int kMostRounds = 20;
-  constexpr double kClearlyWorse = 0.9;
   constexpr double kFine = 10;  // both sweeps are wrong in the same way, which shows little: settle it well
   const double sweep_s = sweepDuration(prepared.raw[0]);
-  const Fit before_all = fit;
   for (int round = 0; round < kMostRounds && canDeskew(prepared, scan); ++round) {
     const Vector6d before = fit.twist, twist = twistOf(T_odom_base_.inverse() * fit.match.T_map_scan, scan.stamp);
     if (!moreThanNoise(round == 0 ? twist : kFine * (twist - before), sweep_s)) break;
@@ -216,15 +214,6 @@ void ScanToMap::beginAgain(Prepared& prepared, const Scan& scan, Fit& fit) {
     clearMap();
     insert(first, T_fitted_);
     fit = fitDeskewed(prepared, scan, {fit.match.T_map_scan, Matrix6d::Zero()});
-  }
-  // Compensated before us? On a straight road both ways fit: times are there to be used.
-  if (params_.deskew == "auto" && fit.match.meanScore() < kClearlyWorse * before_all.match.meanScore()) {
-    clearMap();
-    insert(first_, T_fitted_);
-    fit = before_all;
-    prepared.features = prepared.raw;
-    for (Cloud& part : prepared.features)
-      if (fit.deskewed) compensate(part, fit.twist);
   }
   first_.clear();
 }

@@ -50,9 +50,9 @@ TEST(Localize, OfTwoHundredStartsOnAnotherDayNearlyAllAreFoundWithinThreeScansAn
   mapDrive(summer);
   Session session = Session::open(summer / "session");
   const Pose T_base_sensor = session.info().T_base_sensor;
-  const SavedMap map(std::move(session), T_base_sensor, 0.3, std::size_t{1} << 28);
-  const Trajectory truth = readTrajectory(summer / "drive.gt.tum"), here = readTrajectory(winter / "drive.gt.tum");
   const SlamParams params;
+  const SavedMap map(std::move(session), T_base_sensor, params.registration.voxel_m, std::size_t{1} << 28);
+  const Trajectory truth = readTrajectory(summer / "drive.gt.tum"), here = readTrajectory(winter / "drive.gt.tum");
   Localiser localiser(map, params, LocalizeParams(), context(2));
 
   const auto source = openSource((winter / "drive.rawlog").string(), context(2)).source;

@@ -30,8 +30,7 @@ struct Shares {
 Shares within(const PlaceFigures& figures, int heading_deg, double to_m) {
   Shares all;
   for (const SplitCell& cell : figures.split) {
-    const bool total = cell.from_m == 0 && cell.to_m > 5;
-    if (cell.heading_deg != heading_deg || total || cell.to_m > to_m || cell.revisits == 0) continue;
+    if (cell.heading_deg != heading_deg || cell.to_m > to_m || cell.revisits == 0) continue;
     const auto n = static_cast<double>(cell.revisits);
     all.first += n * *cell.recall_at_1, all.sure += n * *cell.recall_full;
     all.revisits += cell.revisits;
