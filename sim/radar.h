@@ -25,7 +25,7 @@ struct RadarModel : ParamSetOf<RadarModel> {
   std::string name = "radar";
   int azimuths = 400, bins = 3768;
   double rate_hz = 4;
-  double range_resolution_m = 0.0432, range_offset_m = 0, min_range_m = 2.5;
+  double range_resolution_m = 0.0438, range_offset_m = 0, min_range_m = 2.5;
   double beam_azimuth_deg = 1.8, beam_elevation_deg = 4, fill_in_deg = 40;
   double range_width_m = 0.37;
   double gain_db = 72, noise = 1.5;

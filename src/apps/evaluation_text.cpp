@@ -24,10 +24,14 @@ std::string evaluationJson(const Evaluation& e) {
   Json json;
   json["trajectory"] = {{"ate_rmse_m", e.ate.rmse_m},
                         {"ate_max_m", e.ate.max_m},
+                        {"ate_level_rmse_m", e.ate.level_rmse_m},
                         {"odometry_ate_rmse_m", e.odometry_ate.rmse_m},
+                        {"odometry_ate_level_rmse_m", e.odometry_ate.level_rmse_m},
                         {"keyframe_ate_rmse_m", e.keyframe_ate.rmse_m},
                         {"rpe_trans_percent", e.rpe.trans_percent},
                         {"odometry_rpe_trans_percent", e.odometry_rpe.trans_percent},
+                        {"rpe_level_trans_percent", e.level_rpe.trans_percent},
+                        {"odometry_rpe_level_trans_percent", e.odometry_level_rpe.trans_percent},
                         {"rpe_rot_deg_per_m", e.rpe.rot_deg_per_m},
                         {"rpe_segments", e.rpe.segments},
                         {"rpe_lengths_m", e.rpe.lengths_m},
@@ -52,11 +56,14 @@ std::string evaluationTable(const Evaluation& e) {
   };
   text += fmt::format("{:<26}{:>12}{:>12}\n", "trajectory", "odometry", "optimised");
   row("  ATE, rmse", e.odometry_ate.rmse_m, e.ate.rmse_m, "m");
+  if (e.planar) row("  ATE, rmse in x and y", e.odometry_ate.level_rmse_m, e.ate.level_rmse_m, "m");
   row("  ATE, largest", e.odometry_ate.max_m, e.ate.max_m, "m");
   row("  RPE, translation", e.odometry_rpe.trans_percent, e.rpe.trans_percent, "%");
+  if (e.planar) row("  RPE, in x and y", e.odometry_level_rpe.trans_percent, e.level_rpe.trans_percent, "%");
   row("  RPE, rotation", e.odometry_rpe.rot_deg_per_m, e.rpe.rot_deg_per_m, "deg/m");
   text += fmt::format("{:<26}{:>24.4f}  m\n", "  ATE of the keyframes", e.keyframe_ate.rmse_m);
   text += fmt::format("  {} of {} scans have truth; {}\n", e.poses, e.scans, e.alignment);
+  if (e.planar) text += "  2-D data: heights and tilts are not measured\n";
   text += fmt::format("  RPE over {} segments: {}\n", e.rpe.segments, lengths(e.rpe));
   text += fmt::format("loops\n  candidates {}, accepted {}: {} true, {} false\n", e.loops.candidates, e.loops.accepted,
                       e.loops.true_accepted, e.loops.false_accepted);

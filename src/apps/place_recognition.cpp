@@ -57,7 +57,7 @@ void PlaceExperiment::add(const Keyframe& keyframe, const Cloud& cloud_base, con
   keyframes_.push_back(keyframe);
   T_odom_base_.push_back(keyframe.T_odom_base);
   T_truth_base_.push_back(T_truth_base);
-  const Cloud kept = selected(cloud_base, firstPerVoxel(cloud_base, options_.voxel_m));
+  const Cloud kept = selected(cloud_base, onePerVoxel(cloud_base, options_.voxel_m));
   for (Trial& trial : trials_) {
     const bool scans = trial.recogniser->usesScans();
     auto start = Clock::now();

@@ -6,7 +6,6 @@
 #include "scslam/core/bytes.h"
 #include "scslam/core/error.h"
 #include "scslam/core/log.h"
-#include "scslam/core/voxel_filter.h"
 #include "scslam/session/layout.h"
 #include "scslam/session/manifest.h"
 #include "scslam/session/session_graph.h"
@@ -29,16 +28,15 @@ const double kParentsApart_m = 0.1, kParentsApart_deg = 0.5;
 
 bool beginsAnew(const Keyframe& keyframe) { return keyframe.step_covariance(0, 0) >= kOpenStep; }
 
-SavedMap::SavedMap(Session session, const Pose& T_base_sensor, double voxel_m, std::size_t cache_bytes)
+SavedMap::SavedMap(Session session, const Pose& T_base_sensor, const RegistrationParams& registration,
+                   std::size_t cache_bytes)
     : session_(std::move(session)),
       T_own_base_(session_.info().T_base_sensor * T_base_sensor.inverse()),
       T_base_sensor_(T_base_sensor),
-      clouds_(std::make_unique<CloudStore>(
-          session_.folder(), cache_bytes, [T_base_sensor, voxel_m](const Cloud& cloud_sensor) {
-            Cloud thinned = selected(cloud_sensor, firstPerVoxel(cloud_sensor, voxel_m));
-            transformInPlace(thinned, T_base_sensor);
-            return thinned;
-          })) {
+      clouds_(std::make_unique<CloudStore>(session_.folder(), cache_bytes,
+                                           [T_base_sensor, registration](const Cloud& cloud_sensor) {
+                                             return transformed(loopScan(cloud_sensor, registration), T_base_sensor);
+                                           })) {
   if (session_.info().T_base_sensor.isApprox(T_base_sensor, 0)) T_own_base_ = Pose::Identity();
   takeKeyframes();
   takeRecords();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scslam/graph/consistency.h"
-#include "scslam/pipeline/slam_params.h"
+#include "scslam/pipeline/loop_scans.h"
 #include "scslam/session/cloud_store.h"
 #include "scslam/session/session.h"
 
@@ -16,10 +16,10 @@ namespace scslam {
 class SavedMap {
  public:
   /// @param T_base_sensor the sensor in the common base frame (the session's own: nothing changes).
-  /// @param voxel_m to which clouds are thinned. @param cache_bytes of them kept in memory.
+  /// @param registration how scans are thinned for loops. @param cache_bytes of them kept in memory.
   /// @throw inputError when a scan of one of our own sessions is missing (classic folders may have lost some), when
   /// there are no keyframes or a pose is no rigid motion.
-  SavedMap(Session session, const Pose& T_base_sensor, double voxel_m, std::size_t cache_bytes);
+  SavedMap(Session session, const Pose& T_base_sensor, const RegistrationParams& registration, std::size_t cache_bytes);
 
   const Session& session() const { return session_; }
   std::string name() const;              ///< its folder's
@@ -36,7 +36,7 @@ class SavedMap {
   /// Number of keyframe k in the session's own folder.
   KeyframeId ownNumber(KeyframeId k) const { return own_[k]; }
 
-  /// Thinned, frame base. From several threads.
+  /// loopScan(), frame base. From several threads.
   std::shared_ptr<const Cloud> cloud(KeyframeId k) const { return clouds_->get(own_[k]); }
   /// Whole, frame base; not kept.
   Cloud wholeCloud(KeyframeId k) const;

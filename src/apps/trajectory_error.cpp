@@ -10,13 +10,16 @@ namespace scslam {
 AbsoluteError absoluteError(const std::vector<Pose>& truth, const std::vector<Pose>& estimate) {
   AbsoluteError error;
   error.T_truth_estimate = alignPoses(truth, estimate);
-  double sum = 0;
+  double sum = 0, level_sum = 0;
+  const Pose T_estimate_truth = error.T_truth_estimate.inverse();
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const double d = (truth[i].translation() - error.T_truth_estimate * estimate[i].translation()).norm();
-    sum += d * d;
-    error.max_m = std::max(error.max_m, d);
+    const Eigen::Vector3d d = T_estimate_truth * truth[i].translation() - estimate[i].translation();
+    sum += d.squaredNorm(), level_sum += d.head<2>().squaredNorm();
+    error.max_m = std::max(error.max_m, d.norm());
   }
-  if (!truth.empty()) error.rmse_m = std::sqrt(sum / static_cast<double>(truth.size()));
+  if (truth.empty()) return error;
+  error.rmse_m = std::sqrt(sum / static_cast<double>(truth.size()));
+  error.level_rmse_m = std::sqrt(level_sum / static_cast<double>(truth.size()));
   return error;
 }
 
@@ -54,6 +57,15 @@ RelativeError relativeError(const std::vector<Pose>& truth, const std::vector<Po
     error.rot_deg_per_m = rot * 180 / M_PI / static_cast<double>(error.segments);
   }
   return error;
+}
+
+RelativeError levelRelativeError(const std::vector<Pose>& truth, const std::vector<Pose>& estimate) {
+  const Pose T_estimate_truth = alignPoses(truth, estimate).inverse();
+  std::vector<Pose> level_truth, level_estimate;
+  const auto level = [](const Pose& T) { return poseFromYaw(yawOf(T), {T.translation().x(), T.translation().y(), 0}); };
+  for (const Pose& T : truth) level_truth.push_back(level(T_estimate_truth * T));
+  for (const Pose& T : estimate) level_estimate.push_back(level(T));
+  return relativeError(level_truth, level_estimate);
 }
 
 }  // namespace scslam

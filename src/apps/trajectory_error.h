@@ -9,6 +9,7 @@ namespace scslam {
 
 struct AbsoluteError {
   double rmse_m = 0, max_m = 0;
+  double level_rmse_m = 0;                   ///< in x and y of the estimate's frame: all that planar data says
   Pose T_truth_estimate = Pose::Identity();  ///< the alignment
 };
 /// Distances of positions after alignPoses(truth, estimate).
@@ -24,6 +25,9 @@ struct RelativeError {
 /// starts at every pose, of a thousand poses or more at every tenth (the benchmark's step), and ends at the first pose
 /// beyond its length; the error is divided by the length of the benchmark, not by the way actually driven.
 RelativeError relativeError(const std::vector<Pose>& truth, const std::vector<Pose>& estimate);
+/// The same of x, y and heading alone, in the estimate's frame: what planar data is judged by, as benchmarks of radar
+/// odometry are. A robot that pitches by half a degree is a metre higher 100 m on, for a sensor that sees neither.
+RelativeError levelRelativeError(const std::vector<Pose>& truth, const std::vector<Pose>& estimate);
 
 /// Way driven up to each pose [m].
 std::vector<double> travelled(const std::vector<Pose>& poses);

@@ -86,4 +86,18 @@ std::size_t dropNonFinite(Cloud& cloud) {
   return dropped;
 }
 
+void saveCloud(ByteWriter& state, const Cloud& cloud) {
+  for (const auto* values : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity, &cloud.dt}) state.put(*values);
+  state.put(cloud.ring);
+}
+
+void loadCloud(ByteReader& state, Cloud& cloud) {
+  for (auto* values : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity, &cloud.dt}) state.get(*values);
+  state.get(cloud.ring);
+  const auto fits = [&cloud](std::size_t n, bool optional) { return n == cloud.size() || (optional && n == 0); };
+  if (!fits(cloud.y.size(), false) || !fits(cloud.z.size(), false) || !fits(cloud.intensity.size(), true) ||
+      !fits(cloud.dt.size(), true) || !fits(cloud.ring.size(), true))
+    throw inputError("odometry: a saved scan with arrays of different lengths");
+}
+
 }  // namespace scslam

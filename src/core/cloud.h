@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "scslam/core/bytes.h"
 #include "scslam/core/pose.h"
 
 namespace scslam {
@@ -36,6 +37,10 @@ Cloud transformed(const Cloud& cloud_b, const Pose& T_a_b);
 void transformInPlace(Cloud& cloud, const Pose& T_a_b);
 /// The same where the frames differ in scale, too.
 void transformInPlace(Cloud& cloud, const Eigen::Affine3d& A_a_b);
+/// All fields, for odometry's checkpoints.
+void saveCloud(ByteWriter& state, const Cloud& cloud);
+/// @throw inputError when the fields differ in length.
+void loadCloud(ByteReader& state, Cloud& cloud);
 /// Drops points with a NaN or infinite coordinate. @return how many were dropped.
 std::size_t dropNonFinite(Cloud& cloud);
 

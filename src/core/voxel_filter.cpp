@@ -1,5 +1,7 @@
 #include "scslam/core/voxel_filter.h"
 
+#include <algorithm>
+
 #include "scslam/core/simd.h"
 #include "scslam/core/voxel_index.h"
 
@@ -26,6 +28,13 @@ void voxelKeys(const float* x, const float* y, const float* z, std::size_t n, fl
 
 constexpr std::size_t kBlock = 256;
 
+/// Drawn once for every place in a cloud; no two places have the same.
+std::uint32_t lot(std::uint32_t i) {
+  i *= 0x9E3779B1u;
+  i ^= i >> 15;
+  return i * 0x85EBCA77u;
+}
+
 /// Calls visit(i, key) for the points within the limits, in order.
 template <class Visit>
 void forEachKey(const Cloud& cloud, double voxel_m, double min_range_m, double max_range_m, const Visit& visit) {
@@ -41,16 +50,22 @@ void forEachKey(const Cloud& cloud, double voxel_m, double min_range_m, double m
 
 }  // namespace
 
-std::vector<std::uint32_t> firstPerVoxel(const Cloud& cloud, double voxel_m, double min_range_m, double max_range_m) {
-  VoxelIndex seen(cloud.size() / 8);
+std::vector<std::uint32_t> onePerVoxel(const Cloud& cloud, double voxel_m, double min_range_m, double max_range_m) {
+  VoxelIndex voxels(cloud.size() / 8);
   std::vector<std::uint32_t> kept;
   kept.reserve(cloud.size() / 4);
   VoxelKey previous = kNoVoxel;  // neighbours in a scan often share a voxel
-  forEachKey(cloud, voxel_m, min_range_m, max_range_m, [&](std::size_t i, VoxelKey key) {
-    if (key == previous) return;
+  std::uint32_t voxel = 0;
+  forEachKey(cloud, voxel_m, min_range_m, max_range_m, [&](std::size_t at, VoxelKey key) {
+    const auto i = static_cast<std::uint32_t>(at);
+    if (key != previous) voxel = voxels.findOrInsert(key);
     previous = key;
-    if (seen.findOrInsert(key) == kept.size()) kept.push_back(static_cast<std::uint32_t>(i));
+    if (voxel == kept.size())
+      kept.push_back(i);
+    else if (lot(i) < lot(kept[voxel]))
+      kept[voxel] = i;
   });
+  std::sort(kept.begin(), kept.end());
   return kept;
 }
 

@@ -1,4 +1,4 @@
-// Deterministic down-sampling: one point a voxel, in input order.
+// Deterministic down-sampling: one point a voxel.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -7,10 +7,15 @@
 
 namespace scslam {
 
-/// Numbers of the points kept: finite, min_range <= |p| <= max_range [m] from the cloud's origin, and the first of
-/// their voxel of size voxel_m (voxel corners at multiples of voxel_m). In increasing order. voxel_m > 0.
-std::vector<std::uint32_t> firstPerVoxel(const Cloud& cloud, double voxel_m, double min_range_m = 0.0,
-                                         double max_range_m = 1e4);
+/// Numbers of the points kept: finite, min_range <= |p| <= max_range [m] from the cloud's origin, and of those in one
+/// voxel of size voxel_m (corners at multiples of voxel_m) one drawn by lot, always the same for the same cloud. In
+/// increasing order. voxel_m > 0.
+///
+/// Not the first of the voxel: scans are in the order of the sweep, and the first to cross a voxel's face is most often
+/// one that its range noise has pushed across. On walls seen askance such points stand out to one side, ahead to the
+/// other than behind, and a map of them bends.
+std::vector<std::uint32_t> onePerVoxel(const Cloud& cloud, double voxel_m, double min_range_m = 0.0,
+                                       double max_range_m = 1e4);
 
 /// The mean point of each voxel, in the order in which the voxels first appear; coordinates only. Points that are not
 /// finite or farther than 10 km are dropped.

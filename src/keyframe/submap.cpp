@@ -25,17 +25,22 @@ std::vector<KeyframeId> submapMembers(const std::vector<Keyframe>& keyframes, Ke
   return members;
 }
 
-Cloud buildSubmap(const std::vector<KeyframeId>& members, KeyframeId centre, const std::vector<Pose>& T_map_base,
-                  const KeyframeCloud& cloud_of) {
-  Cloud submap;
+std::vector<Cloud> placedScans(const std::vector<KeyframeId>& members, KeyframeId centre,
+                               const std::vector<Pose>& T_map_base, const KeyframeCloud& cloud_of) {
+  std::vector<Cloud> placed;
   const Pose T_centre_map = T_map_base[centre].inverse();
-  for (const KeyframeId k : members) {
-    Cloud cloud = transformed(*cloud_of(k), T_centre_map * T_map_base[k]);
-    submap.x.insert(submap.x.end(), cloud.x.begin(), cloud.x.end());
-    submap.y.insert(submap.y.end(), cloud.y.begin(), cloud.y.end());
-    submap.z.insert(submap.z.end(), cloud.z.begin(), cloud.z.end());
+  for (const KeyframeId k : members) placed.push_back(transformed(*cloud_of(k), T_centre_map * T_map_base[k]));
+  return placed;
+}
+
+Cloud joined(const std::vector<Cloud>& clouds) {
+  Cloud all;
+  for (const Cloud& cloud : clouds) {
+    all.x.insert(all.x.end(), cloud.x.begin(), cloud.x.end());
+    all.y.insert(all.y.end(), cloud.y.begin(), cloud.y.end());
+    all.z.insert(all.z.end(), cloud.z.begin(), cloud.z.end());
   }
-  return submap;
+  return all;
 }
 
 }  // namespace scslam

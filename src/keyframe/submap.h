@@ -19,7 +19,9 @@ std::vector<KeyframeId> submapMembers(const std::vector<Keyframe>& keyframes, Ke
 
 /// Their clouds in the base frame of keyframe `centre`, every scan at its own current pose (the classic bug placed all
 /// of them at the pose of one, facts on SC-A-LOAM).
-Cloud buildSubmap(const std::vector<KeyframeId>& members, KeyframeId centre, const std::vector<Pose>& T_map_base,
-                  const KeyframeCloud& cloud_of);
+std::vector<Cloud> placedScans(const std::vector<KeyframeId>& members, KeyframeId centre,
+                               const std::vector<Pose>& T_map_base, const KeyframeCloud& cloud_of);
+/// All points in one; coordinates only.
+Cloud joined(const std::vector<Cloud>& clouds);
 
 }  // namespace scslam

@@ -30,7 +30,7 @@ PlanarPoints planarPoints(const Cloud& cloud, double voxel_m, double plane_m, co
   planes.insert(cloud, Pose::Identity());
   const SurfelFinder finder(planes, {0, kPlaneLevels - 1}, Pose::Identity());
   PlanarPoints points;
-  points.cloud = selected(cloud, firstPerVoxel(cloud, voxel_m));
+  points.cloud = selected(cloud, onePerVoxel(cloud, voxel_m));
   const std::size_t n = points.cloud.size();
   for (auto* field : {&points.nx, &points.ny, &points.nz}) field->assign(n, 0.0f);
   points.variance.assign(n, -1.0f);

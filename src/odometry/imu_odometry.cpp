@@ -53,6 +53,7 @@ OdometryStep ImuOdometry::step(const Scan& scan) {
     deskew(compensated, sweep);
     deskew(out.cloud, sweep);
     map_.insert(compensated, estimator_->basePose());
+    if (params_.deskew && thin.hasTime() && !scan.deskewed) first_ = thin;
     T_previous_ = T_fitted_ = out.T_odom_base = estimator_->basePose();
     out.quality.note = note_;
     return out;
@@ -64,7 +65,9 @@ OdometryStep ImuOdometry::step(const Scan& scan) {
     lose(scan, fmt::format("only {} usable points", out.cloud.size()), out);
     return out;
   }
-  const Fit found = fit(scan, map_.thin(out.cloud));
+  const Cloud thin = map_.thin(out.cloud);
+  Fit found = fit(scan, thin);
+  if (!first_.empty() && map_.share(found.match) >= kLostShare) beginAgain(scan, thin, found);
   deskew(out.cloud, found.sweep);
   if (map_.share(found.match) < kLostShare) {
     lose(scan,
@@ -138,6 +141,20 @@ ImuOdometry::Fit ImuOdometry::fit(const Scan& scan, const Cloud& thin_raw) {
     fit.match = map_.match(fit.thin, T_predicted, information);
   }
   return fit;
+}
+
+void ImuOdometry::beginAgain(const Scan& scan, const Cloud& thin_raw, Fit& found) {
+  constexpr int kRounds = 4;
+  const double dt = secondsBetween(stamp_, scan.stamp);
+  for (int round = 0; round < kRounds && dt > 1e-4 && dt < 2.0 && !found.jumped; ++round) {
+    const Pose T_step = T_previous_.inverse() * found.match.T_map_scan;
+    Cloud compensated = first_;
+    deskew(compensated, local(Pose::Identity(), T_step) / dt);
+    map_.restart();
+    map_.insert(compensated, T_previous_);
+    found = fit(scan, thin_raw);
+  }
+  first_.clear();
 }
 
 /// Looks around when the fit is poor: nearby, and when nothing near fits, farther the longer nothing did.

@@ -67,6 +67,8 @@ class ImuOdometry : public Odometry {
   // ---- the scan ----
   void measureRecorded(const Scan& scan);
   Fit fit(const Scan& scan, const Cloud& thin_raw);
+  /// The map of the first sweep anew, compensated with the speed that the second one shows, and the second's fit to it.
+  void beginAgain(const Scan& scan, const Cloud& thin_raw, Fit& found);
   /// Too long without a fit, a scan and a measured motion to know where the robot might be.
   bool adrift(const Scan& scan) const;
   void searchAbout(const Cloud& thin, Fit& fit) const;
@@ -82,6 +84,7 @@ class ImuOdometry : public Odometry {
 
   // The state, all of it saved.
   ImuScanMap map_;
+  Cloud first_;  ///< the map's only scan as it was seen; empty once a speed is known
   ImuStream stream_;
   std::unique_ptr<ImuEstimator> estimator_;
   ImuCheck check_;

@@ -19,6 +19,7 @@ void ImuOdometry::Params::describe(ParamVisitor& visitor) {
 
 void ImuOdometry::save(ByteWriter& state) const {
   map_.save(state);
+  saveCloud(state, first_);
   stream_.save(state);
   estimator_->save(state);
   check_.save(state);
@@ -39,6 +40,7 @@ void ImuOdometry::save(ByteWriter& state) const {
 
 void ImuOdometry::load(ByteReader& state) {
   map_.load(state);
+  loadCloud(state, first_);
   stream_.load(state);
   estimator_->load(state);
   check_.load(state);

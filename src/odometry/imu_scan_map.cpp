@@ -46,7 +46,7 @@ void ImuScanMap::restart() {
 
 Cloud ImuScanMap::thin(const Cloud& cloud) const {
   if (cloud.size() <= kThinAbove) return cloud;
-  const std::vector<std::uint32_t> kept = firstPerVoxel(cloud, 0.6 * voxel_m_);
+  const std::vector<std::uint32_t> kept = onePerVoxel(cloud, 0.6 * voxel_m_);
   Cloud thin = selected(cloud, kept);
   if (!cloud.hasTime()) return thin;
   thin.dt.reserve(kept.size());
@@ -71,7 +71,7 @@ MatchOptions ImuScanMap::options() const {
 }
 
 Cloud ImuScanMap::forMatching(const Cloud& thin) const {
-  return thin.size() <= kThinAbove ? thin : selected(thin, firstPerVoxel(thin, voxel_m_));
+  return thin.size() <= kThinAbove ? thin : selected(thin, onePerVoxel(thin, voxel_m_));
 }
 
 MatchResult ImuScanMap::match(const Cloud& thin, const Pose& T_odom_base_guess,

@@ -99,7 +99,7 @@ std::string ScanToMap::prepare(const Scan& scan, Prepared& prepared) {
 
 Cloud ScanToMap::thin(const Cloud& cloud, double voxel_m) {
   if (cloud.size() <= kThinAbove) return cloud;
-  const std::vector<std::uint32_t> kept = firstPerVoxel(cloud, voxel_m);
+  const std::vector<std::uint32_t> kept = onePerVoxel(cloud, voxel_m);
   Cloud thinned = selected(cloud, kept);
   if (!cloud.hasTime()) return thinned;
   thinned.dt.reserve(kept.size());

@@ -3,23 +3,6 @@
 #include "scslam/odometry/scan_to_map.h"
 
 namespace scslam {
-namespace {
-
-void put(ByteWriter& state, const Cloud& cloud) {
-  for (const auto* values : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity, &cloud.dt}) state.put(*values);
-  state.put(cloud.ring);
-}
-
-void get(ByteReader& state, Cloud& cloud) {
-  for (auto* values : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity, &cloud.dt}) state.get(*values);
-  state.get(cloud.ring);
-  const auto fits = [&cloud](std::size_t n, bool optional) { return n == cloud.size() || (optional && n == 0); };
-  if (!fits(cloud.y.size(), false) || !fits(cloud.z.size(), false) || !fits(cloud.intensity.size(), true) ||
-      !fits(cloud.dt.size(), true) || !fits(cloud.ring.size(), true))
-    throw inputError("odometry: a saved scan with arrays of different lengths");
-}
-
-}  // namespace
 
 void ScanToMapParams::describeShared(ParamVisitor& visitor) {
   visitor.field("voxel_m", voxel_m, "finest map voxel [m]; 0: from the ranges of the first scan", 0.0, 10.0);
@@ -137,7 +120,7 @@ void ScanToMap::save(ByteWriter& state) const {
   state.put(deskew_evidence_);
   state.put(deskew_trials_);
   state.put(std::uint64_t{first_.size()});
-  for (const Cloud& part : first_) put(state, part);
+  for (const Cloud& part : first_) saveCloud(state, part);
   state.put(map_.has_value());
   if (map_) saveMap(state);
 }
@@ -168,7 +151,7 @@ void ScanToMap::load(ByteReader& state) {
   state.get(deskew_evidence_);
   state.get(deskew_trials_);
   first_.clear();
-  for (auto parts = state.get<std::uint64_t>(); parts > 0; --parts) get(state, first_.emplace_back());
+  for (auto parts = state.get<std::uint64_t>(); parts > 0; --parts) loadCloud(state, first_.emplace_back());
   map_.reset();
   if (!state.get<bool>()) return;
   if (!(voxel_m_ > 0)) throw inputError("odometry: a saved map without a voxel size");

@@ -31,6 +31,7 @@ void LoopCloser::add(const Keyframe& keyframe, const Descriptor& descriptor, Clo
 std::vector<LoopRecord> LoopCloser::close(KeyframeId query, const std::vector<Keyframe>& keyframes,
                                           const std::vector<Pose>& T_map_base, CloudStore& clouds) {
   trial_.forgetTarget();
+  query_.reset();
   std::vector<LoopRecord> records;
   for (std::size_t r = 0; r < recognisers_.size(); ++r) {
     recognisers_[r]->setPoses(T_map_base);
@@ -70,8 +71,11 @@ LoopRecord LoopCloser::verify(const std::string& recogniser, const PlaceCandidat
   record.reason = implausible(predicted, gates_);
   if (!record.reason.empty()) return record;
 
-  trial_.setTarget(candidate.match, keyframes, query.id, T_map_base, [&](KeyframeId k) { return clouds.get(k); });
-  trial_.verify(record, *clouds.get(query.id), {candidate.T_match_query}, predicted, query.planar);
+  const auto cloud_of = [&clouds](KeyframeId k) { return clouds.get(k); };
+  trial_.setTarget(candidate.match, keyframes, query.id, T_map_base, cloud_of);
+  if (!query_)
+    query_ = trial_.query(query.id, keyframes, static_cast<KeyframeId>(keyframes.size()), T_map_base, cloud_of);
+  trial_.verify(record, *query_, {candidate.T_match_query}, predicted, query.planar);
   return record;
 }
 

@@ -40,6 +40,7 @@ class LoopCloser {
   std::vector<Matrix6d> drift_;                             ///< covariance of the chain up to each keyframe, frame odom
   std::vector<int> losses_;                                 ///< steps up to each keyframe that were not followed
   LoopTrial trial_;                                         ///< within one close() the poses stay
+  std::optional<Cloud> query_;                              ///< of this close(), once it is needed
   std::set<std::pair<KeyframeId, KeyframeId>> registered_;  ///< query, match; before this close()
 };
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "scslam/core/parallel.h"
-
 namespace scslam {
 namespace {
 
@@ -29,22 +27,13 @@ void fill(LoopRecord& record, const Verification& verification) {
 LoopTrial::LoopTrial(const RegistrationParams& params, const PluginContext& context,
                      const Eigen::Vector3d& viewpoint_base)
     : threads_(context.threads),
-      reach_m_(params.submap_reach_m),
-      max_each_side_(params.submap_max_each_side),
+      params_(params),
       verifier_(params.method.create(context), params.gates, viewpoint_base) {}
 
 void LoopTrial::setTarget(KeyframeId match, const std::vector<Keyframe>& keyframes, KeyframeId limit,
                           const std::vector<Pose>& T_map_base, const KeyframeCloud& cloud_of) {
   if (target_ == match) return;
-  const auto members = submapMembers(keyframes, match, limit, reach_m_, max_each_side_);
-  LoopTarget target;
-  target.clouds.resize(members.size());
-  threads_.forEachChunk(members.size(), 1,
-                        [&](std::size_t i, std::size_t, std::size_t) { target.clouds[i] = cloud_of(members[i]); });
-  target.submap = buildSubmap(members, match, T_map_base,
-                              [&](KeyframeId k) { return target.clouds[k - members.front()]; });  // they are in a row
-  for (const KeyframeId k : members) target.T_target_base.push_back(T_map_base[match].inverse() * T_map_base[k]);
-  verifier_.setTarget(std::move(target));
+  verifier_.setTarget(loopTarget(match, keyframes, limit, T_map_base, cloud_of, params_, threads_));
   target_ = match;
 }
 

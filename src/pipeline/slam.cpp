@@ -1,7 +1,6 @@
 #include "scslam/pipeline/slam.h"
 
 #include "scslam/core/log.h"
-#include "scslam/core/voxel_filter.h"
 #include "scslam/pipeline/factors.h"
 
 namespace scslam {
@@ -18,10 +17,8 @@ Slam::Slam(const SlamParams& params, const PluginContext& context, SessionWriter
       optimiser_(params.graph.optimiser),
       satellites_(params.graph.gnss),
       clouds_(session.folder(), static_cast<std::size_t>(params.session.cloud_cache_mb * 1e6),
-              [T_base_sensor, voxel_m = params.registration.voxel_m](const Cloud& cloud_sensor) {
-                Cloud thinned = selected(cloud_sensor, firstPerVoxel(cloud_sensor, voxel_m));
-                transformInPlace(thinned, T_base_sensor);
-                return thinned;
+              [T_base_sensor, registration = params.registration](const Cloud& cloud_sensor) {
+                return transformed(loopScan(cloud_sensor, registration), T_base_sensor);
               }),
       T_base_sensor_(T_base_sensor) {}
 

@@ -78,7 +78,7 @@ class Slam {
   LoopLedger ledger_;
   IncrementalOptimiser optimiser_;
   Satellites satellites_;
-  CloudStore clouds_;  ///< thinned, frame base
+  CloudStore clouds_;  ///< loopScan() of each, frame base
   Pose T_base_sensor_;
 
   std::vector<Keyframe> keyframes_;

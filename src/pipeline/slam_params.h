@@ -36,6 +36,9 @@ struct RegistrationParams : ParamSetOf<RegistrationParams> {
   double submap_reach_m = 20;
   int submap_max_each_side = 10;
   double voxel_m = 0.3;
+  double min_intensity = 0;
+  int steady_scans = 1;
+  double steady_m = 0.7;
   LoopGateParams gates;
   void describe(ParamVisitor& visitor) override;
 };
@@ -53,7 +56,7 @@ struct GraphParams : ParamSetOf<GraphParams> {
   OptimiserParams optimiser;
   ConsistencyParams consistency;
   GnssParams gnss;
-  double odometry_floor_m = 0.01, odometry_floor_deg = 0.05;
+  double odometry_floor_m = 0.005, odometry_floor_deg = 0.02;
   double loop_floor_m = 0.05, loop_floor_deg = 0.2, loop_outliers = 0.04;
   GraphParams() {
     optimiser.init = "file";   // online: odometry has placed the newest keyframe

@@ -6,6 +6,9 @@
 namespace scslam {
 
 void LoopGateParams::describe(ParamVisitor& v) {
+  v.field("min_points", min_points, "points the scan must have to be registered: fewer fit many places", 1, 1000000);
+  v.field("max_apart_m", max_apart_m,
+          "scans taken farther apart than this are no loop: what they share is seen from afar [m]", 0, 1000);
   v.field("min_explained", min_explained, "share of all points of the scan that must lie on a surface of the submap", 0,
           1);
   v.field("min_inlier_ratio", min_inlier_ratio, "the same share among the points that find a surface near them", 0, 1);
@@ -41,7 +44,11 @@ std::string implausible(const OdometryPrediction& predicted, const LoopGateParam
 }
 
 std::string refusal(const RegistrationResult& result, const LoopGateParams& params) {
+  if (result.points < static_cast<std::size_t>(params.min_points))
+    return fmt::format("{} points < {}", result.points, params.min_points);
   if (!result.converged) return "registration did not converge";
+  if (const double apart = result.T_target_source.translation().norm(); apart > params.max_apart_m)
+    return fmt::format("{:.1f} m apart > {:.1f} m", apart, params.max_apart_m);
   if (result.overlap < params.min_overlap)
     return fmt::format("overlap {:.2f} < {:.2f}", result.overlap, params.min_overlap);
   if (result.explained < params.min_explained)

@@ -8,6 +8,8 @@
 namespace scslam {
 
 struct LoopGateParams : ParamSetOf<LoopGateParams> {
+  int min_points = 30;
+  double max_apart_m = 20;
   double min_explained = 0.45;
   double min_inlier_ratio = 0.85;
   double min_overlap = 0.65;

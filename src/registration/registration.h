@@ -13,6 +13,7 @@ struct RegistrationResult {
                                         ///< residual variance divided out; next to nothing in unfixed directions
   Matrix6d unfixed = Matrix6d::Zero();  ///< takes the part of a tangent vector that the overlap does not fix
   int degenerate_axes = 0;              ///< how many such directions there are
+  std::size_t points = 0;               ///< of the source that were used
   bool converged = false;
   int iterations = 0;
   double inlier_ratio = 0;  ///< of the source points that found a surface of the target, the share that lies on it

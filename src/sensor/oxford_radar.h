@@ -14,7 +14,7 @@ constexpr int kNavtechEncoderCounts = 5600;
 
 /// What the file does not say.
 struct OxfordRadarFormat {
-  double range_resolution_m = 0.0432;  ///< CTS350-X; CIR204-H has 0.0596
+  double range_resolution_m = 0.0438;  ///< CTS350-X; CIR204-H has 0.0596
   double range_offset_m = 0;
   bool validity = true;  ///< byte 10 says whether the row was measured (Boreas leaves it unused)
   std::string label = "radar";

@@ -116,7 +116,7 @@ TEST(Localize, OnARealStreetNearlyEveryStartIsFoundWithinThreeScansAndNoneIsFoun
   SCSLAM_NEEDS_DATA(recording, "kitti00_kf000-039");
   constexpr std::size_t kStarts = 40;
   const KittiHalves halves = kittiHalves(recording, freshFolder());
-  const SavedMap map(Session::open(halves.even.folder), Pose::Identity(), 0.3, std::size_t{1} << 28);
+  const SavedMap map(Session::open(halves.even.folder), Pose::Identity(), RegistrationParams{}, std::size_t{1} << 28);
   Localiser localiser(map, SlamParams(), LocalizeParams(), context(2));
   RandomSequence random(CounterRandom(7, RandomStream::kWorld));
   std::size_t found = 0;

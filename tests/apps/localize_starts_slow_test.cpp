@@ -51,7 +51,7 @@ TEST(Localize, OfTwoHundredStartsOnAnotherDayNearlyAllAreFoundWithinThreeScansAn
   Session session = Session::open(summer / "session");
   const Pose T_base_sensor = session.info().T_base_sensor;
   const SlamParams params;
-  const SavedMap map(std::move(session), T_base_sensor, params.registration.voxel_m, std::size_t{1} << 28);
+  const SavedMap map(std::move(session), T_base_sensor, params.registration, std::size_t{1} << 28);
   const Trajectory truth = readTrajectory(summer / "drive.gt.tum"), here = readTrajectory(winter / "drive.gt.tum");
   Localiser localiser(map, params, LocalizeParams(), context(2));
 

@@ -34,7 +34,7 @@ TEST(SavedMap, ACommonBaseMovesPosesAndMeasurementsButNoPoint) {
   const SessionParts made = parts();
   const Session session = sessionOf(memoryFolder() / "s", made);
   const Pose T_base_sensor = poseFromYaw(-1.2, {1, 0.5, 0.9});  // another robot's mounting
-  const SavedMap own(session, made.T_base_sensor, 0.01, kBytes), common(session, T_base_sensor, 0.01, kBytes);
+  const SavedMap own(session, made.T_base_sensor, {}, kBytes), common(session, T_base_sensor, {}, kBytes);
   for (KeyframeId k = 0; k < 8; ++k) {
     const Cloud a = transformed(*own.cloud(k), own.poses()[k]), b = transformed(*common.cloud(k), common.poses()[k]);
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LT((a.point(i) - b.point(i)).norm(), 1e-4) << k;
@@ -56,7 +56,7 @@ TEST(SavedMap, KeyframesOfAClassicFolderWithoutAScanAreLeftOutAndTheOthersRenumb
   for (const char* ours : {layout::kManifest, layout::kJournal, layout::kConfig, layout::kPoseGraph})
     fs::remove(folder / ours);
   for (const KeyframeId k : {0U, 3U}) fs::remove(layout::scanFile(folder, k));
-  const SavedMap map(Session::open(folder), Pose::Identity(), 0.01, kBytes);
+  const SavedMap map(Session::open(folder), Pose::Identity(), {}, kBytes);
   ASSERT_EQ(map.keyframes().size(), 6u);
   EXPECT_EQ(map.keyframesWithoutScan(), 2u);
   EXPECT_EQ(map.ownNumber(2), 4u);
@@ -75,7 +75,7 @@ TEST(SavedMap, AMissingScanOfOurOwnSessionIsNamed) {
   const Session session = sessionOf(folder, parts());
   fs::remove(layout::scanFile(folder, 5));
   try {
-    const SavedMap map(session, Pose::Identity(), 0.1, kBytes);
+    const SavedMap map(session, Pose::Identity(), {}, kBytes);
     ADD_FAILURE() << "not noticed";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::kInput);

@@ -90,7 +90,7 @@ std::vector<Descriptor> describeAll(const std::string& input, const PluginContex
       cart_ms.push_back(cpuMs([&] { cart->describe(keyframe, cloud); }));
     }
     images.push_back(polar->describe(keyframe, cloud));
-    const Cloud thinned = selected(cloud, firstPerVoxel(cloud, 0.3));
+    const Cloud thinned = selected(cloud, onePerVoxel(cloud, 0.3));
     add_ms.push_back(cpuMs([&] { polar->add(keyframe, images.back(), thinned); }));
     points += cloud.size();
   }

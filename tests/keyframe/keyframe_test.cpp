@@ -108,7 +108,7 @@ TEST(Submap, EveryScanStandsAtItsOwnPose) {
     cloud->push(p.x(), p.y(), p.z());
     return cloud;
   };
-  const Cloud submap = buildSubmap({0, 1, 2}, 1, T_map_base, cloud_of);
+  const Cloud submap = joined(placedScans({0, 1, 2}, 1, T_map_base, cloud_of));
   const Eigen::Vector3f expected = (T_map_base[1].inverse() * p_map).cast<float>();
   ASSERT_EQ(submap.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT((submap.point(i) - expected).norm(), 1e-5);

@@ -9,6 +9,7 @@ using ::testing::HasSubstr;
 
 RegistrationResult good() {
   RegistrationResult result;
+  result.points = 500;
   result.converged = true;
   result.inlier_ratio = result.overlap = result.explained = 0.9;
   result.rmse_m = 0.05;
@@ -23,7 +24,11 @@ TEST(LoopGates, PassAGoodResultAndNameWhatIsWrongWithABadOne) {
   params.max_degenerate_axes = 2;
   EXPECT_EQ(refusal(good(), params), "");
   RegistrationResult r = good();
-  r.converged = false;
+  r.points = 29, params.min_points = 30;
+  EXPECT_THAT(refusal(r, params), HasSubstr("29 points < 30"));
+  r = good(), r.T_target_source = poseFromYaw(1, {0, 20.1, 0}), params.max_apart_m = 20;
+  EXPECT_THAT(refusal(r, params), HasSubstr("20.1 m apart > 20.0 m"));
+  r = good(), r.converged = false;
   EXPECT_THAT(refusal(r, params), HasSubstr("converge"));
   r = good(), r.overlap = 0.31;
   EXPECT_THAT(refusal(r, params), HasSubstr("overlap 0.31 < 0.50"));

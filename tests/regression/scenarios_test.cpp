@@ -123,6 +123,15 @@ TEST(Scenarios, CarriedOffItFindsBack) {
   meetsItsBounds(scenario, scenario.expect, "s17, carried off");
 }
 
+/// The whole of S09's road, there, back and there again: echoes of grass and of forty cars, and few trees that stand.
+TEST(Scenarios, ARoadThroughOpenCountryIsClosedByRadar) {
+  const sim::Scenario scenario =
+      sim::loadScenario("s09", {"truth.pictures=false", "lidar.on=false", "radar.on=true", "drive.route=there_and_back",
+                                "drive.laps=2", "drive.duration_s=145", "expect_radar.ate_max_m=1.5",
+                                "expect_radar.loops_min=100", "expect_radar.recall_min=0.5"});
+  meetsItsBounds(scenario, scenario.expect_radar, "s09, there and back by radar");
+}
+
 /// The net has no holes: with any one part broken, the bounds of the plainest scenario do not hold.
 TEST(Scenarios, NoticeABrokenPart) {
   const sim::Scenario scenario = sim::loadScenario("s01_loop", {"truth.pictures=false"});

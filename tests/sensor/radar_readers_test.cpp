@@ -117,15 +117,15 @@ TEST(OxfordRadarFolder, ATruthThatDoesNotJoinOnEndsThere) {
   const auto source = test::openQuietly(fixture.uri).source;
   EXPECT_THAT(source->description(), HasSubstr("up to line 7, where it breaks off"));
   EXPECT_EQ(source->groundTruth()->poses.size(), test::kFixtureScans);
-  EXPECT_THAT(source->description(), HasSubstr("bins of 0.0432 m and offset 0 m assumed"));
+  EXPECT_THAT(source->description(), HasSubstr("bins of 0.0438 m and offset 0 m assumed"));
 }
 
 TEST(OxfordRadarFolder, ATableOfTheUserReplacesTheAssumedOne) {
   const auto fixture = test::makeFixture("oxford_radar", test::freshFolder());
   OpenOptions options;
   options.sensor = loadSensorModel("navtech_cts350x");
-  options.sensor->radar.range_resolution_m = 0.0438;
-  EXPECT_EQ(test::openQuietly(fixture.uri, options).source->next()->radar->range_resolution_m, 0.0438);
+  options.sensor->radar.range_resolution_m = 0.0432;
+  EXPECT_EQ(test::openQuietly(fixture.uri, options).source->next()->radar->range_resolution_m, 0.0432);
 }
 
 TEST(OxfordRadarFolder, RealSweepsAreReadWithTheirTruth) {

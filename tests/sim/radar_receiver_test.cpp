@@ -36,7 +36,7 @@ TEST(RadarReceiver, SpeckleIsExponentialInACell) {
   for (std::uint32_t number = 0; number < 12; ++number) {
     const RadarScan scan = scanOf(model, world, straight(), 0, 5, number);
     for (std::size_t row = 0; row < 400; row += 5)  // beyond the beam's width: independent
-      values.push_back(powerOf(scan.row(row)[static_cast<std::size_t>(20 / 0.0432)]));
+      values.push_back(powerOf(scan.row(row)[static_cast<std::size_t>(20 / 0.0438)]));
   }
   Moments(values).expectExponential();
 }
@@ -47,7 +47,7 @@ TEST(RadarReceiver, SpeckleKeepsTheMeanPower) {
   MeshBuilder b;
   b.material("leaves").cylinder({0, 0, -20}, {0, 0, 20}, 20, 400);
   const World world = worldOf(b);
-  const auto bin = static_cast<std::size_t>(20 / 0.0432);
+  const auto bin = static_cast<std::size_t>(20 / 0.0438);
   const auto meanOver = [&](const RadarScan& scan) {
     double sum = 0;
     for (std::size_t row = 0; row < 400; ++row) sum += powerOf(scan.row(row)[bin]) / 400;

@@ -119,7 +119,7 @@ TEST(Radar, WallsFaceToFaceMakeAGhostAtTheFoldedPath) {
     const auto row = scan.row(0);
     const auto from = static_cast<std::ptrdiff_t>((range - 1) / model.range_resolution_m);
     const auto top = std::max_element(row.begin() + from, row.begin() + from + 46);
-    EXPECT_TRUE(*top == 0 || std::abs((static_cast<double>(top - row.begin()) + 0.5) * 0.0432 - range) < 0.1);
+    EXPECT_TRUE(*top == 0 || std::abs((static_cast<double>(top - row.begin()) + 0.5) * 0.0438 - range) < 0.1);
     return static_cast<int>(*top);
   };
   const double ghost = 2 * ahead + behind;  // there, back past the radar to the other wall, and all the way again

@@ -132,7 +132,7 @@ ChangesSummary findChanges(const ChangesOptions& options, const PluginContext& c
   summary.older = session.info().parents[older].name, summary.newer = session.info().parents[newer].name;
   summary.folder = options.output.empty() ? options.session / "changes" : options.output;
   const Pose T_base_sensor = session.info().T_base_sensor;
-  const SavedMap map(std::move(session), T_base_sensor, 1, 0);
+  const SavedMap map(std::move(session), T_base_sensor, {}, 0);
   PartialFolder partial(summary.folder, {options.session},
                         {"comparison", kReport, {"changes.ply", "things.csv", "changes.png", kReport}},
                         options.overwrite);

@@ -209,7 +209,7 @@ CleanSummary cleanSession(const CleanOptions& options, const PluginContext& cont
   std::optional<TrueLabels> labels;
   if (!options.labels.empty()) labels.emplace(options.labels, options.label_style);
   const Pose T_base_sensor = session.info().T_base_sensor;
-  const SavedMap map(std::move(session), T_base_sensor, 1, 0);
+  const SavedMap map(std::move(session), T_base_sensor, {}, 0);
   checkCleanable(map, context);
 
   const fs::path output = options.output.empty() ? options.session / "clean" : options.output;

@@ -8,8 +8,7 @@
 #include "scslam/core/counter_random.h"
 #include "scslam/core/error.h"
 #include "scslam/core/progress.h"
-#include "scslam/keyframe/submap.h"
-#include "scslam/pipeline/slam_params.h"
+#include "scslam/pipeline/loop_scans.h"
 
 namespace scslam {
 namespace {
@@ -29,7 +28,11 @@ class Teacher {
  public:
   Teacher(const SavedMap& map, const std::vector<std::optional<Pose>>& truth, const SlamParams& slam,
           const PluginContext& context)
-      : map_(map), truth_(truth), slam_(slam), registration_(slam.registration.method.create(context)) {}
+      : map_(map),
+        truth_(truth),
+        slam_(slam),
+        registration_(slam.registration.method.create(context)),
+        threads_(context.threads) {}
 
   /// Of keyframe k against the places it revisits, or not.
   void teach(KeyframeId k, RandomSequence& random, Examples& examples) {
@@ -57,10 +60,11 @@ class Teacher {
   }
 
   void registerAll(KeyframeId k, KeyframeId match, const Pose& T_around, RandomSequence& random, Examples& examples) {
-    const auto members = submapMembers(map_.keyframes(), match, static_cast<KeyframeId>(map_.keyframes().size()),
-                                       slam_.registration.submap_reach_m, slam_.registration.submap_max_each_side);
-    const Cloud submap = buildSubmap(members, match, map_.poses(), [this](KeyframeId i) { return map_.cloud(i); });
-    const Cloud& query = *map_.cloud(k);
+    const auto all = static_cast<KeyframeId>(map_.keyframes().size());
+    const auto cloud_of = [this](KeyframeId i) { return map_.cloud(i); };
+    const Cloud submap =
+        loopTarget(match, map_.keyframes(), all, map_.poses(), cloud_of, slam_.registration, threads_).submap;
+    const Cloud query = loopQuery(k, map_.keyframes(), all, map_.poses(), cloud_of, slam_.registration);
     const bool planar = map_.keyframes()[k].planar;
     const Pose T_true = truth_[match]->inverse() * *truth_[k];
     registration_->setTarget(submap);
@@ -81,6 +85,7 @@ class Teacher {
   const std::vector<std::optional<Pose>>& truth_;
   const SlamParams& slam_;
   std::unique_ptr<Registration> registration_;
+  ThreadPool& threads_;
 };
 
 /// Is this a place for the test? One square in four is.
@@ -106,7 +111,7 @@ void teachBy(std::size_t number, const LearnOptions& options, const PluginContex
   const std::vector<std::optional<Pose>> of_scans =
       evaluate(session, readTrajectory(options.truths[number])).T_truth_base;
   const Pose T_base_sensor = session.info().T_base_sensor;
-  const SavedMap map(std::move(session), T_base_sensor, slam.registration.voxel_m,
+  const SavedMap map(std::move(session), T_base_sensor, slam.registration,
                      static_cast<std::size_t>(slam.session.cloud_cache_mb * 1e6));
   std::vector<std::optional<Pose>> truth;
   for (const Keyframe& keyframe : map.keyframes())

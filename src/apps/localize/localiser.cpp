@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "scslam/core/parallel.h"
-#include "scslam/core/voxel_filter.h"
 #include "scslam/pipeline/factors.h"
 #include "scslam/session/layout.h"
 
@@ -126,7 +125,7 @@ void Localiser::setTarget(KeyframeId match) {
 }
 
 Whereabouts Localiser::step(const OdometryStep& step) {
-  const Cloud thinned = selected(step.cloud, firstPerVoxel(step.cloud, slam_.registration.voxel_m));
+  const Cloud thinned = loopScan(step.cloud, slam_.registration);
   if (!tracked_) return search(step, thinned);
   Whereabouts where = track(step, thinned);
   if (where.state == WhereState::kTracking) return where;

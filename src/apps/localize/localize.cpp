@@ -202,7 +202,7 @@ LocalizeSummary localize(const LocalizeOptions& options, const PluginContext& co
                      first->planar ? "planar" : "3-D", session.info().planar ? "planar ones" : "3-D ones");
 
   const Pose T_base_sensor = session.info().T_base_sensor;
-  const SavedMap map(std::move(session), T_base_sensor, config.slam.registration.voxel_m,
+  const SavedMap map(std::move(session), T_base_sensor, config.slam.registration,
                      static_cast<std::size_t>(config.slam.session.cloud_cache_mb * 1e6));
   if (map.keyframesWithoutScan() > 0)
     logWarn(context.log, "{} of {} keyframes of the session have no scan; nothing is found there",

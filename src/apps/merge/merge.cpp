@@ -288,7 +288,7 @@ MergeSummary mergeSessions(const MergeOptions& options, const PluginContext& con
   for (Input& input : inputs) {
     if (!input.truth.empty()) truths.push_back(readTrajectory(input.truth));
     digests.push_back(input.digest);
-    maps.emplace_back(std::move(input.session), T_base_sensor, config.slam.registration.voxel_m, cache_bytes);
+    maps.emplace_back(std::move(input.session), T_base_sensor, config.slam.registration, cache_bytes);
     keyframes += maps.back().keyframes().size();
   }
   checkAlike(maps, config.merge, context);

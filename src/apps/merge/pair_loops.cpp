@@ -66,7 +66,9 @@ LoopRecord& PairLoops::attempt(LoopRecord record, const Pose& T_match_query_gues
   record.yaw_guess_rad = yawOf(T_match_query_guess);
   trial.setTarget(record.match, a_.keyframes(), static_cast<KeyframeId>(a_.keyframes().size()), T_map_a,
                   [this](KeyframeId k) { return a_.cloud(k); });
-  trial.verify(record, *b_.cloud(record.query), {T_match_query_guess}, predicted, b_.keyframes()[record.query].planar);
+  const Cloud query = trial.query(record.query, b_.keyframes(), static_cast<KeyframeId>(b_.keyframes().size()),
+                                  b_.poses(), [this](KeyframeId k) { return b_.cloud(k); });
+  trial.verify(record, query, {T_match_query_guess}, predicted, b_.keyframes()[record.query].planar);
   records_.push_back(std::move(record));
   return records_.back();
 }

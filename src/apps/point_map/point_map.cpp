@@ -30,7 +30,7 @@ Cloud readMap(const fs::path& file, double voxel_m) {
                        file.string(), i, p.norm());
   Cloud map;
   if (whole.hasIntensity()) map.intensity.reserve(whole.size() / 2);
-  for (const std::uint32_t i : firstPerVoxel(whole, voxel_m, 0, 2 * static_cast<double>(kMost_m))) {
+  for (const std::uint32_t i : onePerVoxel(whole, voxel_m, 0, 2 * static_cast<double>(kMost_m))) {
     map.push(whole.x[i], whole.y[i], whole.z[i]);
     if (whole.hasIntensity()) map.intensity.push_back(whole.intensity[i]);
   }

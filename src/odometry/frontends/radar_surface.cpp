@@ -52,7 +52,7 @@ class RadarSurface : public RadarOdometry {
   struct Params : ParamSetOf<Params>, RadarOdometryParams {
     double group_m = 0;
     int group_points = 4;
-    int keyframes = 4;
+    int keyframes = 8;
     double keyframe_m = 1.5, keyframe_deg = 5;
     double direction_deg = 45;
     double sigma_m = 0;

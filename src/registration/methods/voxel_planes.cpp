@@ -55,6 +55,7 @@ class VoxelPlanes : public Registration {
     if (map_->empty()) return result;
 
     const Cloud thin = sourcePoints(source);
+    result.points = thin.size();
     const SearchResult search = searchFrom(*map_, thin, starts(T_target_source_guesses), options(), context_.threads);
     result = judged(thin, search.best);
     for (const RivalPose& rival : search.rivals) {
@@ -76,12 +77,12 @@ class VoxelPlanes : public Registration {
   Cloud finiteAndThin(const Cloud& cloud) const {
     constexpr std::size_t kThinAbove = 20000;
     const double leaf_m = params_.voxel_m > 0 ? 0.4 * params_.voxel_m : 0.2;
-    return selected(cloud, firstPerVoxel(cloud, cloud.size() > kThinAbove ? leaf_m : 1e-3));
+    return selected(cloud, onePerVoxel(cloud, cloud.size() > kThinAbove ? leaf_m : 1e-3));
   }
 
   Cloud sourcePoints(const Cloud& source) const {
     constexpr std::size_t kThinAbove = 2000;
-    return selected(source, firstPerVoxel(source, source.size() > kThinAbove ? 1.5 * voxel_m_ : 1e-3));
+    return selected(source, onePerVoxel(source, source.size() > kThinAbove ? 1.5 * voxel_m_ : 1e-3));
   }
 
   void buildMap(bool planar) {
@@ -167,6 +168,7 @@ class VoxelPlanes : public Registration {
     const Conditioning conditioning = conditioningOf(system.H, source, kLeastShare, planar_);
 
     RegistrationResult result;
+    result.points = source.size();
     result.T_target_source = polished(source, match);
     result.converged = match.converged && match.inlierRatio() > 0.05;
     result.iterations = match.iterations;

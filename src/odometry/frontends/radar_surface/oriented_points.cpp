@@ -6,6 +6,8 @@
 namespace scslam::radar_surface {
 namespace {
 
+constexpr int kRounds = 3;  // of moving a group to where its points are dense
+
 /// Weighted sums of points about a place near them.
 struct Moments {
   double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
@@ -70,12 +72,18 @@ OrientedPoints orientedPoints(const Cloud& cloud, const GroupRules& rules) {
     cx /= static_cast<float>(members.size()), cy /= static_cast<float>(members.size());
     Moments moments;
     int count = 0;
-    grid.near(cx, cy, [&](std::uint32_t i) {
-      const float dx = cloud.x[i] - cx, dy = cloud.y[i] - cy;
-      if (dx * dx + dy * dy > radius2) return;
-      moments.add(weightOf(i), static_cast<double>(dx), static_cast<double>(dy));
-      ++count;
-    });
+    for (int round = 0; round < kRounds; ++round) {
+      moments = {};
+      count = 0;
+      grid.near(cx, cy, [&](std::uint32_t i) {
+        const float dx = cloud.x[i] - cx, dy = cloud.y[i] - cy;
+        if (dx * dx + dy * dy > radius2) return;
+        moments.add(weightOf(i), static_cast<double>(dx), static_cast<double>(dy));
+        ++count;
+      });
+      if (count == 0 || round + 1 == kRounds) break;
+      cx += static_cast<float>(moments.x / moments.w), cy += static_cast<float>(moments.y / moments.w);
+    }
     if (count >= rules.min_points) pushGroup(moments, static_cast<double>(cx), static_cast<double>(cy), count, out);
   }
   return out;

@@ -30,9 +30,10 @@ struct GroupRules {
   int min_points = 4;   ///< smaller groups are noise
 };
 
-/// One for each cell of a grid that holds points: all points within radius_m of the mean of those in the cell, weighted
-/// by their intensity above the weakest of the cloud, where it has intensities. In the order in which the cells
-/// appear in the cloud.
+/// One for each cell of a grid that holds points: all points within radius_m of a centre, weighted by their intensity
+/// above the weakest of the cloud, where it has intensities. The centre starts at the mean of the cell's points and
+/// moves to the group's mean a few times (mean shift): left where the cells are, which drive along with the robot,
+/// groups would hold the motion back. In the order in which the cells appear in the cloud.
 OrientedPoints orientedPoints(const Cloud& cloud, const GroupRules& rules);
 
 /// Points by the cell they lie in; cells of size cell_m.
