@@ -1,8 +1,11 @@
 // scslam VERB …: finds the verb, runs it, turns what was thrown into one line and an exit code.
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <new>
+#include <system_error>
 
 #include "scslam/core/error.h"
 #include "verb.h"
@@ -48,10 +51,17 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    // What is still in the buffer may not fit on the disk.
+    if (std::fflush(stdout) != 0)
+      throw scslam::inputError("cannot write to the standard output: {}", std::strerror(errno));
+    return code;
   } catch (const scslam::Error& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return static_cast<int>(error.code());
+  } catch (const std::system_error& error) {  // of a disk, a pipe, a permission
+    fmt::print(stderr, "error: {}\n", error.what());
+    return static_cast<int>(ExitCode::kInput);
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "error: out of memory\n");
     return static_cast<int>(ExitCode::kBug);

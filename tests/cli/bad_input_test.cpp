@@ -240,6 +240,13 @@ TEST(BadInput, AFullDiskIsOneLineAndTheSessionCanGoOn) {
   EXPECT_EQ(Session::open(folder / "s").scans().size(), 8u);
 }
 
+TEST(BadInput, AnAnswerThatFindsNoRoomIsSaid) {
+  const std::string err_file = (test::freshFolder() / "err").string();
+  const int status = std::system(fmt::format("'{}' list >/dev/full 2>'{}'", SCSLAM_BINARY, err_file).c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  EXPECT_THAT(readFile(err_file), HasSubstr("cannot write"));
+}
+
 TEST(BadInput, CtrlCFlushesAValidSessionThatGoesOnToTheSameBytes) {
   const auto folder = test::freshFolder();
   pcdFolder(folder / "in", 30, 20000);
