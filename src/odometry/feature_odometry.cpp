@@ -16,6 +16,7 @@ Cloud chosen(const Cloud& cloud, const std::vector<std::uint32_t>& points) {
 // A scan alone is sparse: its surfaces and edges show only in larger voxels.
 constexpr double kScanVoxels = 2.0;
 constexpr double kLeastScanInliers = 0.3;
+constexpr double kEdgeSigmas = 12;  // an edge's, in a plane's
 
 void put(ByteWriter& state, const Cloud& cloud) { state.put(cloud.x), state.put(cloud.y), state.put(cloud.z); }
 
@@ -71,9 +72,10 @@ MatchResult FeatureOdometry::matchFeatures(const SurfacePyramid& planes, const S
   first.sigma_m = options.sigma_m;
   const auto both = [&](const Pose& T_map_scan, const MatchKernel& kernel) {
     MatchSystem system = linearise(planes, options.levels, sources.surface, T_map_scan, kernel, threads());
-    // An edge is seen at the nearest beam, not where it is.
+    // An edge is seen at the nearest beam, not where it is, and the beams drive along with the robot: edges that
+    // counted as much as planes would hold each step back.
     MatchKernel rough = kernel;
-    rough.sigma_m *= 2.0;
+    rough.sigma_m *= kEdgeSigmas;
     const MatchSystem edges = lineariseLines(lines, options.levels, sources.edges, T_map_scan, rough, threads());
     addSystem(edges, system);
     system.points += edges.points;

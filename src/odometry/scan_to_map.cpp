@@ -21,7 +21,6 @@ constexpr double kPoorShare = 0.7, kLostShare = 0.4, kFarShare = 0.75;
 constexpr double kNearBetter = 1.15, kFarBetter = 1.3;     // than the fit at the guess
 constexpr double kGuessBetter = 1.1, kThanRecorded = 1.6;  // than the guess before it, than recorded odometry
 constexpr double kFarPrecision = 0.75;                     // inliers among the matched points of a far place
-constexpr double kLeastInliers = 0.1;
 
 /// Is a step of this duration worth a velocity?
 bool tellsSpeed(double duration_s) { return duration_s > 1e-4 && duration_s <= 2.0; }
@@ -246,7 +245,7 @@ ScanToMap::Fit ScanToMap::fitScan(Prepared& prepared, const Scan& scan, const Gu
 }
 
 double ScanToMap::share(const MatchResult& match) const {
-  if (match.system.inliers < leastPoints(planar_) / 2 || match.inlierRatio() < kLeastInliers) return 0.0;
+  if (match.system.inliers < leastPoints(planar_) / 2 || match.inlierRatio() < leastInliers()) return 0.0;
   return usual_inliers_ > 0 ? match.clearRatio() / usual_inliers_ : 1.0;
 }
 

@@ -56,6 +56,8 @@ class ScanToMap : public Odometry {
   virtual void compensate(Cloud& cloud, const Vector6d& twist) const;
   /// Do sweeps take so long that no robot stops between two of them?
   virtual bool slowSweeps() const { return false; }
+  /// A fit with a smaller share of inliers is chance.
+  virtual double leastInliers() const { return 0.1; }
   /// Must the map's first sweep, taken before any velocity is known, be compensated when it is?
   virtual bool compensatesFirst() const { return true; }
   /// What planar data says nothing of: one sigma of the step's height, roll and pitch.

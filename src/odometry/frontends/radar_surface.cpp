@@ -71,6 +71,9 @@ class RadarSurface : public RadarOdometry {
   RadarSurface(const Params& params, const PluginContext& context) : RadarOdometry(params, context), params_(params) {}
 
  private:
+  /// Most echoes of open country are clutter that comes and goes, and the oldest keyframes saw other parts of it.
+  double leastInliers() const override { return 0.03; }
+
   std::string extract(const Cloud& cloud, const Scan& scan, Features& features) override {
     noteSensor(scan);
     features = {cloud};
