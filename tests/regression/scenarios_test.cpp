@@ -127,8 +127,8 @@ TEST(Scenarios, CarriedOffItFindsBack) {
 TEST(Scenarios, ARoadThroughOpenCountryIsClosedByRadar) {
   const sim::Scenario scenario =
       sim::loadScenario("s09", {"truth.pictures=false", "lidar.on=false", "radar.on=true", "drive.route=there_and_back",
-                                "drive.laps=2", "drive.duration_s=145", "expect_radar.ate_max_m=1.5",
-                                "expect_radar.loops_min=100", "expect_radar.recall_min=0.15"});
+                                "drive.laps=2", "drive.duration_s=145", "expect_radar.ate_max_m=1.2",
+                                "expect_radar.loops_min=50", "expect_radar.recall_min=0.15"});
   meetsItsBounds(scenario, scenario.expect_radar, "s09, there and back by radar");
 }
 
