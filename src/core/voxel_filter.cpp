@@ -1,6 +1,7 @@
 #include "scslam/core/voxel_filter.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "scslam/core/simd.h"
 #include "scslam/core/voxel_index.h"
@@ -48,25 +49,44 @@ void forEachKey(const Cloud& cloud, double voxel_m, double min_range_m, double m
   }
 }
 
+/// Different numbers below n, sorted.
+std::vector<std::uint32_t> increasing(const std::vector<std::uint32_t>& numbers, std::size_t n) {
+  std::vector<std::uint64_t> bits((n + 63) / 64);
+  for (const std::uint32_t number : numbers) bits[number / 64] |= std::uint64_t{1} << (number % 64);
+  std::vector<std::uint32_t> sorted;
+  sorted.reserve(numbers.size());
+  for (std::size_t word = 0; word < bits.size(); ++word)
+    for (std::uint64_t left = bits[word]; left != 0; left &= left - 1)
+      sorted.push_back(static_cast<std::uint32_t>(64 * word) + static_cast<std::uint32_t>(std::countr_zero(left)));
+  return sorted;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> onePerVoxel(const Cloud& cloud, double voxel_m, double min_range_m, double max_range_m) {
   VoxelIndex voxels(cloud.size() / 8);
-  std::vector<std::uint32_t> kept;
-  kept.reserve(cloud.size() / 4);
-  VoxelKey previous = kNoVoxel;  // neighbours in a scan often share a voxel
-  std::uint32_t voxel = 0;
+  std::vector<std::uint32_t> chosen;  // by voxel
+  chosen.reserve(cloud.size() / 4);
+  // Neighbours in a scan often share a voxel: the best of such a run is known before its voxel is looked up.
+  VoxelKey key_of_run = kNoVoxel;
+  std::uint32_t best = 0, best_lot = 0;
+  const auto endRun = [&] {
+    if (key_of_run == kNoVoxel) return;
+    const std::uint32_t voxel = voxels.findOrInsert(key_of_run);
+    if (voxel == chosen.size())
+      chosen.push_back(best);
+    else if (best_lot < lot(chosen[voxel]))
+      chosen[voxel] = best;
+  };
   forEachKey(cloud, voxel_m, min_range_m, max_range_m, [&](std::size_t at, VoxelKey key) {
     const auto i = static_cast<std::uint32_t>(at);
-    if (key != previous) voxel = voxels.findOrInsert(key);
-    previous = key;
-    if (voxel == kept.size())
-      kept.push_back(i);
-    else if (lot(i) < lot(kept[voxel]))
-      kept[voxel] = i;
+    const std::uint32_t lot_of_i = lot(i);
+    if (key == key_of_run && lot_of_i >= best_lot) return;
+    if (key != key_of_run) endRun();
+    key_of_run = key, best = i, best_lot = lot_of_i;
   });
-  std::sort(kept.begin(), kept.end());
-  return kept;
+  endRun();
+  return increasing(chosen, cloud.size());
 }
 
 Cloud centroidPerVoxel(const Cloud& cloud, double voxel_m) {
