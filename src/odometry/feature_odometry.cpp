@@ -18,14 +18,6 @@ constexpr double kScanVoxels = 2.0;
 constexpr double kLeastScanInliers = 0.3;
 constexpr double kEdgeSigmas = 12;  // an edge's, in a plane's
 
-void put(ByteWriter& state, const Cloud& cloud) { state.put(cloud.x), state.put(cloud.y), state.put(cloud.z); }
-
-void get(ByteReader& state, Cloud& cloud) {
-  state.get(cloud.x), state.get(cloud.y), state.get(cloud.z);
-  if (cloud.y.size() != cloud.x.size() || cloud.z.size() != cloud.x.size())
-    throw inputError("odometry: a saved scan's coordinates differ in number");
-}
-
 }  // namespace
 
 ScanToMap::Features FeatureOdometry::featuresOf(const Cloud& cloud, const CurvatureFeatures& features) const {
@@ -110,16 +102,16 @@ MatchResult FeatureOdometry::match(const Features& features, const Guess& guess,
 void FeatureOdometry::saveMap(ByteWriter& state) const {
   ScanToMap::saveMap(state);
   lines_->save(state);
-  put(state, last_surface_);
-  put(state, last_edges_);
+  saveCloud(state, last_surface_);
+  saveCloud(state, last_edges_);
 }
 
 void FeatureOdometry::loadMap(ByteReader& state) {
   ScanToMap::loadMap(state);
   lines_->load(state);
   Cloud surface, edges;
-  get(state, surface);
-  get(state, edges);
+  loadCloud(state, surface);
+  loadCloud(state, edges);
   keepLast(surface, edges);
 }
 
