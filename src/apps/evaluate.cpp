@@ -68,8 +68,10 @@ Evaluation evaluate(const Session& session, const Trajectory& truth, const Evalu
   result.keyframe_ate = absoluteError(keyframes.truth, keyframes.estimate);
   result.rpe = relativeError(after.truth, after.estimate);
   result.odometry_rpe = relativeError(before.truth, before.estimate);
-  result.level_rpe = levelRelativeError(after.truth, after.estimate);
-  result.odometry_level_rpe = levelRelativeError(before.truth, before.estimate);
+  if (result.planar) {
+    result.level_rpe = levelRelativeError(after.truth, after.estimate);
+    result.odometry_level_rpe = levelRelativeError(before.truth, before.estimate);
+  }
   result.alignment = describeAlignment(result.poses);
   result.loops = loopFigures(session.loops(), T_truth_keyframe, options);
   return result;

@@ -35,7 +35,7 @@ struct Evaluation {
   AbsoluteError ate, odometry_ate;  ///< every scan that has truth
   AbsoluteError keyframe_ate;       ///< keyframes alone
   RelativeError rpe, odometry_rpe;
-  RelativeError level_rpe, odometry_level_rpe;  ///< of x, y and heading
+  RelativeError level_rpe, odometry_level_rpe;  ///< of x, y and heading, where planar
   std::size_t poses = 0, scans = 0;             ///< with truth, and all
   std::string alignment;                        ///< how it was aligned, for people
   bool planar = false;                          ///< 2-D data: heights are not measured

@@ -24,20 +24,21 @@ std::string evaluationJson(const Evaluation& e) {
   Json json;
   json["trajectory"] = {{"ate_rmse_m", e.ate.rmse_m},
                         {"ate_max_m", e.ate.max_m},
-                        {"ate_level_rmse_m", e.ate.level_rmse_m},
                         {"odometry_ate_rmse_m", e.odometry_ate.rmse_m},
-                        {"odometry_ate_level_rmse_m", e.odometry_ate.level_rmse_m},
                         {"keyframe_ate_rmse_m", e.keyframe_ate.rmse_m},
                         {"rpe_trans_percent", e.rpe.trans_percent},
                         {"odometry_rpe_trans_percent", e.odometry_rpe.trans_percent},
-                        {"rpe_level_trans_percent", e.level_rpe.trans_percent},
-                        {"odometry_rpe_level_trans_percent", e.odometry_level_rpe.trans_percent},
                         {"rpe_rot_deg_per_m", e.rpe.rot_deg_per_m},
                         {"rpe_segments", e.rpe.segments},
                         {"rpe_lengths_m", e.rpe.lengths_m},
                         {"poses", e.poses},
                         {"scans", e.scans},
                         {"alignment", e.alignment}};
+  if (e.planar)
+    json["level"] = {{"ate_rmse_m", e.ate.level_rmse_m},
+                     {"odometry_ate_rmse_m", e.odometry_ate.level_rmse_m},
+                     {"rpe_trans_percent", e.level_rpe.trans_percent},
+                     {"odometry_rpe_trans_percent", e.odometry_level_rpe.trans_percent}};
   json["loops"] = {{"candidates", e.loops.candidates},       {"accepted", e.loops.accepted},
                    {"true_accepted", e.loops.true_accepted}, {"false_accepted", e.loops.false_accepted},
                    {"precision", orNull(e.loops.precision)}, {"recall", orNull(e.loops.recall)},

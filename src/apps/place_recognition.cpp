@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "scslam/apps/place_recognition_truth.h"
-#include "scslam/core/voxel_filter.h"
+#include "scslam/pipeline/loop_scans.h"
 
 namespace scslam {
 namespace {
@@ -57,7 +57,7 @@ void PlaceExperiment::add(const Keyframe& keyframe, const Cloud& cloud_base, con
   keyframes_.push_back(keyframe);
   T_odom_base_.push_back(keyframe.T_odom_base);
   T_truth_base_.push_back(T_truth_base);
-  const Cloud kept = selected(cloud_base, onePerVoxel(cloud_base, options_.voxel_m));
+  const Cloud kept = loopScan(cloud_base, options_.registration);
   for (Trial& trial : trials_) {
     const bool scans = trial.recogniser->usesScans();
     auto start = Clock::now();

@@ -12,7 +12,7 @@ struct PlaceOptions {
   double revisit_radius_m = 3;  ///< a candidate truly this near the query is the same place
   double min_travel_m = 15;     ///< … when at least this much way lies between them
   double split_radius_m = 8;    ///< likewise, for the figures split by heading and offset (Scan Context++ counts so)
-  double voxel_m = 0.3;         ///< registration.voxel_m: recognisers keep scans thinned so, as those of a run do
+  RegistrationParams registration;  ///< recognisers keep scans thinned so (loopScan()), as those of a run do
 };
 
 /// A recogniser with its parameters.

@@ -44,7 +44,7 @@ PlaceExperiment experimentOf(const PlacesFlags& flags, const SlamParams& params,
   std::vector<PlaceVariant> variants;
   for (const auto& text : texts) variants.push_back(placeVariant(text, params, flags.options));
   PlaceOptions options = flags.options;
-  options.voxel_m = params.registration.voxel_m;
+  options.registration = params.registration;
   return {variants, options, context};
 }
 

@@ -13,9 +13,10 @@ void RegistrationParams::describe(ParamVisitor& v) {
           "scans this far along the path around the matched place form the submap [m]", 0, 1000);
   v.field("submap_max_each_side", submap_max_each_side, "at most so many scans before and after it", 0, 1000);
   v.field("voxel_m", voxel_m, "scans are thinned to one point per voxel before loops are registered [m]", 0.01, 10);
-  v.field("min_intensity", min_intensity, "weaker points are left out of it (radar: power, 0 .. 255)", 0, 1e6);
+  v.field("min_intensity", min_intensity, "loops are registered by points at least so strong (radar: power, 0 .. 255)",
+          0, 1e6);
   v.field("steady_scans", steady_scans,
-          "and those that fewer of the scans around show: clutter, and what moves (1: nothing is left out)", 1, 64);
+          "and that so many of the scans around show: not clutter, nor what moves (1: all points)", 1, 64);
   v.field("steady_m", steady_m, "how near a point of another scan must be for that [m]", 0.01, 100);
   v.group("gates", gates, "what a loop must show");
 }

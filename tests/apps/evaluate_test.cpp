@@ -215,6 +215,24 @@ TEST(Alignment, NeverMirrors) {
   EXPECT_NEAR(alignPoses(mirrored, poses).linear().determinant(), 1, 1e-9);
 }
 
+TEST(Evaluate, PlanarDataIsJudgedInXAndYWhereHeightsAndTiltsDoNotCount) {
+  std::vector<Pose> flat, truth;
+  for (int i = 0; i < 80; ++i) {
+    flat.push_back(poseFromYaw(0.02 * i, {2.0 * i, 0.01 * i * i, 0}));
+    // The ground waves by a decimetre, and the car pitches with it.
+    truth.push_back(flat.back());
+    truth.back().translation().z() = 0.1 * std::sin(i);
+    truth.back() = truth.back() * Eigen::AngleAxisd(0.02 * std::cos(i), Eigen::Vector3d::UnitY());
+  }
+  const AbsoluteError e = absoluteError(truth, flat);
+  EXPECT_NEAR(e.rmse_m, 0.07, 0.005);
+  EXPECT_LT(e.level_rmse_m, 0.003);
+  EXPECT_GT(relativeError(truth, flat).trans_percent, 1);
+  EXPECT_LT(levelRelativeError(truth, flat).trans_percent, 0.01);
+  // An error in the plane counts in full.
+  EXPECT_NEAR(levelRelativeError(flat, scaled(flat, 1.02)).trans_percent, 2, 0.05);
+}
+
 TEST(Evaluate, RealOdometryHasTheErrorThatAnIndependentProgramFinds) {
   SCSLAM_NEEDS_DATA(folder, "kitti00_kf000-039");
   const auto posesOf = [&](const char* name) {

@@ -14,7 +14,7 @@ PlaceFigures figuresOn(const std::string& scenario, const fs::path& folder) {
   simulateDrive(sim::loadScenario(scenario, {"truth.pictures=false"}), folder);
   const SlamParams params;
   PlaceOptions options;
-  options.voxel_m = params.registration.voxel_m;
+  options.registration = params.registration;
   PlaceExperiment experiment({placeVariant("scan_context", params, options)}, options, context(2));
   const auto source = openSource((folder / "drive.rawlog").string(), context(2)).source;
   addInput(experiment, *source, readTrajectory(folder / "drive.gt.tum"), true, params, context(2), std::nullopt, true);

@@ -157,6 +157,19 @@ TEST(OrientedPoints, AWallHasADirectionAndAPoleAPlace) {
   EXPECT_EQ(orientedPoints({}, {1.0, 4}).size(), 0u);
 }
 
+TEST(OrientedPoints, GroupsStandWhereTheThingIsNotWhereTheCellsAre) {
+  for (int shift = 0; shift < 10; ++shift) {
+    const float x0 = 20 + 0.1f * static_cast<float>(shift);
+    Cloud cloud;
+    for (int i = -8; i <= 8; ++i)
+      for (int j = -8; j <= 8; ++j)
+        if (i * i + j * j <= 64) cloud.push(x0 + 0.1f * static_cast<float>(i), 5.5f + 0.1f * static_cast<float>(j), 0);
+    const OrientedPoints groups = orientedPoints(cloud, {1.0, 4});
+    ASSERT_GT(groups.size(), 0u);
+    for (std::size_t i = 0; i < groups.size(); ++i) EXPECT_NEAR(groups.x[i], x0, 0.05f) << shift;
+  }
+}
+
 TEST(OrientedPoints, StrongEchoesWeighMore) {
   Cloud cloud;
   for (int i = 0; i < 5; ++i) cloud.push(0.1f, 0.2f * static_cast<float>(i), 0), cloud.intensity.push_back(100);

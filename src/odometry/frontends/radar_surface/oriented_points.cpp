@@ -10,14 +10,16 @@ constexpr int kRounds = 3;  // of moving a group to where its points are dense
 
 /// Weighted sums of points about a place near them.
 struct Moments {
+  int count = 0;
   double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   void add(double weight, double px, double py) {
+    ++count;
     w += weight, x += weight * px, y += weight * py;
     xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
   }
 };
 
-void pushGroup(const Moments& m, double x0, double y0, int count, OrientedPoints& out) {
+void pushGroup(const Moments& m, double x0, double y0, OrientedPoints& out) {
   const double mx = m.x / m.w, my = m.y / m.w;
   const double xx = m.xx / m.w - mx * mx, xy = m.xy / m.w - mx * my, yy = m.yy / m.w - my * my;
   // The eigenvalues of a symmetric 2 x 2 matrix are its mean diagonal less and plus `radius`.
@@ -27,7 +29,7 @@ void pushGroup(const Moments& m, double x0, double y0, int count, OrientedPoints
   out.nx.push_back(static_cast<float>(-std::sin(direction))), out.ny.push_back(static_cast<float>(std::cos(direction)));
   out.across.push_back(static_cast<float>(std::max(mean - radius, 0.0)));
   out.along.push_back(static_cast<float>(mean + radius));
-  out.count.push_back(static_cast<float>(count));
+  out.count.push_back(static_cast<float>(m.count));
 }
 
 }  // namespace
@@ -65,26 +67,25 @@ OrientedPoints orientedPoints(const Cloud& cloud, const GroupRules& rules) {
     return cloud.hasIntensity() ? 1.0 + static_cast<double>(cloud.intensity[i] - weakest) : 1.0;
   };
   const auto radius2 = static_cast<float>(rules.radius_m * rules.radius_m);
+  const auto around = [&](float cx, float cy) {
+    Moments moments;
+    grid.near(cx, cy, [&](std::uint32_t i) {
+      const float dx = cloud.x[i] - cx, dy = cloud.y[i] - cy;
+      if (dx * dx + dy * dy <= radius2) moments.add(weightOf(i), static_cast<double>(dx), static_cast<double>(dy));
+    });
+    return moments;
+  };
   for (std::size_t number = 0; number < grid.cells(); ++number) {
     float cx = 0, cy = 0;
     const auto members = grid.members(number);
     for (const std::uint32_t i : members) cx += cloud.x[i], cy += cloud.y[i];
     cx /= static_cast<float>(members.size()), cy /= static_cast<float>(members.size());
-    Moments moments;
-    int count = 0;
-    for (int round = 0; round < kRounds; ++round) {
-      moments = {};
-      count = 0;
-      grid.near(cx, cy, [&](std::uint32_t i) {
-        const float dx = cloud.x[i] - cx, dy = cloud.y[i] - cy;
-        if (dx * dx + dy * dy > radius2) return;
-        moments.add(weightOf(i), static_cast<double>(dx), static_cast<double>(dy));
-        ++count;
-      });
-      if (count == 0 || round + 1 == kRounds) break;
+    Moments moments = around(cx, cy);
+    for (int round = 1; round < kRounds && moments.count > 0; ++round) {
       cx += static_cast<float>(moments.x / moments.w), cy += static_cast<float>(moments.y / moments.w);
+      moments = around(cx, cy);
     }
-    if (count >= rules.min_points) pushGroup(moments, static_cast<double>(cx), static_cast<double>(cy), count, out);
+    if (moments.count >= rules.min_points) pushGroup(moments, static_cast<double>(cx), static_cast<double>(cy), out);
   }
   return out;
 }
